@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+# Everything from a fresh machine: `make demo` shows what Noli does, `make test` proves it.
+# Packages are installed through apt (Debian 12, Ubuntu 24.04); elsewhere what is missing is named.
+
+JOBS ?= $(shell nproc 2>/dev/null || echo 2)
+PRESET ?= release
+BUILD := build/$(PRESET)
+
+.PHONY: all help setup build demo test format check clean
+
+all: build
+
+help:
+	@echo "make demo    build, simulate scenes/demo.json, say where the results are"
+	@echo "make test    build and run all tests"
+	@echo "make build   the program, as build/release/noli"
+	@echo "make check   format, rooms and lint (what CI runs beside the tests)"
+	@echo "make format  reformat the sources"
+
+setup:
+	@bash tools/setup.sh
+
+$(BUILD)/build.ninja: setup
+	@cmake --preset $(PRESET)
+
+build: $(BUILD)/build.ninja
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target noli_cli
+
+demo: build
+	@$(BUILD)/noli run scenes/demo.json -o out/demo --overwrite
+	@echo
+	@echo "Results: out/demo (frames/frames.pvd opens in ParaView; stats.csv has one row per step)"
+
+test: $(BUILD)/build.ninja
+	@cmake --build --preset $(PRESET) -j $(JOBS)
+	@ctest --preset $(PRESET) -j $(JOBS)
+
+check:
+	@bash tools/check.sh
+
+format:
+	@git ls-files '*.hpp' '*.cpp' '*.cu' '*.cuh' | xargs clang-format-14 -i
+
+clean:
+	@rm -rf build out

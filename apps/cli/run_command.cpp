@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "noli/simulator.hpp"
+
+#include "commands.hpp"
+#include "progress.hpp"
+#include "terminal.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fmt/format.h>
+#include <string_view>
+#include <unistd.h>
+
+namespace noli::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::atomic<bool> stop_requested{false};
+std::atomic<int> stop_signal{0};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+/// First signal: finish the step, write a checkpoint, say how to resume. Second: stop at
+/// once.
+extern "C" void on_stop_signal(int number) {
+    if (stop_requested.exchange(true)) ::_exit(kSignalled + number);
+    stop_signal = number;
+    constexpr std::string_view kText =
+        "\nnote: finishing this step and writing a checkpoint; once more to stop at "
+        "once\n";
+    static_cast<void>(!::write(STDERR_FILENO, kText.data(), kText.size()));
+}
+
+void catch_signals() {
+    struct sigaction action {};
+    action.sa_handler = on_stop_signal;
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+/// Where the scene is and where the run goes, once a run directory given as scene is
+/// resolved.
+struct Places {
+    std::string scene, directory;
+};
+
+Places find_places(const RunArguments& arguments) {
+    const fs::path given(arguments.scene);
+    std::error_code failed;
+    const bool is_run =
+        fs::is_directory(given, failed) && fs::exists(given / "run.json", failed);
+    if (!is_run) {
+        const std::string fallback = (fs::path("runs") / given.stem()).string();
+        return {arguments.scene,
+                arguments.directory.empty() ? fallback : arguments.directory};
+    }
+    return {(given / "scene.json").string(),
+            arguments.directory.empty() ? arguments.scene : arguments.directory};
+}
+
+template <class T>
+void override_with(const std::optional<T>& value, T& setting) {
+    if (value) setting = *value;
+}
+
+/// What the command line says instead of the scene.
+void apply_overrides(const RunArguments& a, Scene& scene) {
+    override_with(a.frames_every, scene.output.every);
+    override_with(a.checkpoint_every, scene.output.checkpoint_steps);
+    override_with(a.checkpoint_seconds, scene.output.checkpoint_seconds);
+    override_with(a.tolerance, scene.solver.tolerance);
+    if (a.tolerance) scene.solver.tolerance_per_step.clear();
+    override_with(a.pcg_tolerance, scene.solver.pcg_tolerance);
+    override_with(a.max_newton, scene.solver.max_newton);
+    override_with(a.dt, scene.dt);
+    override_with(a.duration, scene.duration);
+    override_with(a.friction_iterations, scene.contact.friction_iterations);
+    if (!a.formats.empty()) scene.output.formats = a.formats;
+    if (a.linear == "pcg") scene.solver.linear = LinearSolver::Pcg;
+    if (a.linear == "cholmod") scene.solver.linear = LinearSolver::Cholmod;
+    if (a.contact_hessian == "gn") scene.contact.hessian = ContactModel::Gn;
+    if (a.contact_hessian == "gn+") scene.contact.hessian = ContactModel::GnPlus;
+    if (a.contact_hessian == "exact") scene.contact.hessian = ContactModel::Exact;
+    if (a.mollifier == "two_mode") scene.contact.mollifier = MollifierModel::TwoMode;
+    if (a.mollifier == "four_mode") scene.contact.mollifier = MollifierModel::FourMode;
+    if (a.mollifier == "exact") scene.contact.mollifier = MollifierModel::Exact;
+    if (a.integrator == "implicit_euler")
+        scene.solver.integrator = Integrator::ImplicitEuler;
+    if (a.integrator == "bdf2") scene.solver.integrator = Integrator::Bdf2;
+    if (a.integrator == "newmark") scene.solver.integrator = Integrator::Newmark;
+}
+
+void print_start(const Resolved& r, const std::string& directory, int first, int last) {
+    if (!r.device_note.empty()) print_note("device: " + r.device_note);
+    print(fmt::format(
+        "{}\n{} bodies, {} vertices, {} tetrahedra, about {:.0f} MB\n"
+        "dhat {:.4g} m, epsv {:.4g} m/s, tolerance {:.4g} m/s, diagonal {:.4g} m\n",
+        r.device,
+        r.num_bodies,
+        r.num_vertices,
+        r.num_tets,
+        r.estimated_mb,
+        r.dhat,
+        r.epsv,
+        r.tolerance,
+        r.diagonal));
+    if (first <= last)
+        print(fmt::format("steps {} to {} into {}\n", first, last, directory));
+}
+
+/// Says how the run ended; the exit code.
+int conclude(const RunSummary& summary, const std::string& directory, bool is_quiet) {
+    if (summary.outcome != Outcome::Converged) {
+        print_error(fmt::format("step {}", summary.steps_done + 1),
+                    fmt::format("{}: {}", to_string(summary.outcome), summary.message));
+        if (!summary.repro_folder.empty())
+            print_note(
+                fmt::format("everything to repeat this step is in {}; run its repeat.sh",
+                            summary.repro_folder));
+        return summary.outcome == Outcome::Intersecting ? kFailure : kNumbers;
+    }
+    const std::string went = fmt::format("{} of {} steps, {:.6g} s simulated, {} here",
+                                         summary.steps_done,
+                                         summary.steps_asked,
+                                         summary.time,
+                                         format_duration(summary.wall_s));
+    if (summary.interrupted) {
+        print_note(fmt::format(
+            "stopped after {}; go on with: noli run {} --resume", went, directory));
+        return kSignalled + stop_signal.load();
+    }
+    if (is_quiet) return kFine;
+    print(fmt::format(
+        "{} {}\nstate {:016x}\nresults in {} (frames.pvd opens in ParaView)\n",
+        paint(stdout, Colour::Green, "done:"),
+        went,
+        summary.state_hash,
+        directory));
+    return kFine;
+}
+
+}  // namespace
+
+int run_command(const RunArguments& arguments) {
+    const Places places = find_places(arguments);
+    std::vector<SceneWarning> warnings;
+    Result<Scene> read = read_scene(places.scene, &warnings);
+    for (const SceneWarning& warning : warnings)
+        print_warning(warning.where, warning.message);
+    if (!read) return fail(read.error());
+    Scene& scene = read.value();
+    apply_overrides(arguments, scene);
+
+    Progress progress(arguments.quiet, scene.output.every);
+    RunOptions options;
+    options.directory = places.directory;
+    options.steps = arguments.steps;
+    options.resume = arguments.resume;
+    options.overwrite = arguments.overwrite;
+    options.iteration_log = arguments.iteration_log;
+    options.simulator.device = arguments.device == "cpu"  ? Device::Cpu
+                             : arguments.device == "cuda" ? Device::Cuda
+                                                          : Device::Auto;
+    options.simulator.threads = arguments.threads;
+    options.simulator.verify = arguments.verify;
+    options.stop = &stop_requested;
+    options.on_start = [&](const Resolved& resolved, int first, int last) {
+        if (!arguments.quiet) print_start(resolved, places.directory, first, last);
+        progress.start(first, last);
+    };
+    options.on_step = [&](const StepReport& report) { progress.step(report); };
+    options.on_note = [&](const std::string& text) {
+        if (!arguments.quiet) print_note(text);
+    };
+    catch_signals();
+    const Result<RunSummary> summary = run_scene(scene, options);
+    progress.finish();
+    if (!summary) return fail(summary.error());
+    return conclude(summary.value(), places.directory, arguments.quiet);
+}
+
+}  // namespace noli::cli

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Lagged friction of one pair: mu lambda_N f0(|u|) of the tangential displacement
+///
+///     u = B^T sum_i w_i (x_i - x_i^n)
+///
+/// with basis B, weights w and normal force lambda_N frozen at the lagged state.
+
+#include "core/stencil.hpp"
+#include "energy/contact_pair.hpp"
+#include "energy/friction_law.hpp"
+#include "energy/half_space.hpp"
+#include "energy/mollified_pair.hpp"
+
+namespace noli {
+
+/// Frozen state of a pair's friction.
+template <int S>
+struct FrictionBasis {
+    Vec3d t0, t1;         ///< orthonormal, perpendicular to the contact normal
+    double w[S];          ///< weights of the points in the relative displacement
+    double normal_force;  ///< lambda_N = -dE/dd, N; >= 0
+};
+
+namespace detail {
+
+/// Basis of the plane across n whose first vector follows `hint` as far as it can.
+/// Without a usable hint (zero, or along n) it starts from the better of e_x x n and e_y
+/// x n.
+template <int S>
+NOLI_HD inline void set_tangents(const Vec3d& n,
+                                 const Vec3d& hint,
+                                 FrictionBasis<S>& out) {
+    Vec3d t = hint - dot(hint, n) * n;
+    if (!(norm_sq(t) > 1e-16 * norm_sq(hint))) {
+        const Vec3d from_x = cross(Vec3d{1.0, 0.0, 0.0}, n);
+        const Vec3d from_y = cross(Vec3d{0.0, 1.0, 0.0}, n);
+        t = norm_sq(from_x) > norm_sq(from_y) ? from_x : from_y;
+    }
+    t = unit_or_zero(t);
+    out.t0 = unit_or_zero(t - dot(t, n) * n);
+    out.t1 = cross(n, out.t0);
+}
+
+/// u = B^T sum_i w_i moved_i, m.
+template <int S>
+NOLI_HD inline Vec2d tangential_displacement(const FrictionBasis<S>& basis,
+                                             const Stencil<S>& moved) {
+    Vec3d slip{0.0, 0.0, 0.0};
+    for (int i = 0; i < S; ++i)
+        slip += basis.w[i] * moved.x[i];
+    return {dot(basis.t0, slip), dot(basis.t1, slip)};
+}
+
+}  // namespace detail
+
+/// Basis of a PP, PE, PT or EE pair.
+///
+/// Source:  MATH 5; first tangent along b - a (PE, PT) or u (EE), any for PP
+/// In:      kind, x  the pair at the lagged state; d > 0
+///          params   kappa and exponent of that moment
+template <int S>
+NOLI_HD inline FrictionBasis<S> friction_basis(PairKind kind,
+                                               const Stencil<S>& x,
+                                               const BarrierParams& params) {
+    const PairGeometry<S> pair = pair_geometry(kind, x);
+    FrictionBasis<S> out;
+    Vec3d hint{0.0, 0.0, 0.0};
+    if constexpr (S == 3) hint = x.x[2] - x.x[1];
+    if constexpr (S == 4)
+        hint = kind == PairKind::EdgeEdge ? x.x[1] - x.x[0] : x.x[2] - x.x[1];
+    detail::set_tangents(pair.n, hint, out);
+    for (int i = 0; i < S; ++i)
+        out.w[i] = pair.w[i];
+    out.normal_force =
+        -params.kappa * barrier_slope(params.exponent, pair.d, params.dhat);
+    return out;
+}
+
+/// Basis of a mollified pair: normal and weights of its sub-case (zero for the vertices
+/// that take no part), and lambda_N = -d(kappa m b)/dd = -kappa m b_d, the normal force
+/// that the mollified energy exerts along n. Exactly parallel edges thus have no
+/// friction, as they have no force.
+///
+/// Source:  MATH 5 applied to MATH 3 ([Li2020] leaves mollified pairs frictionless)
+NOLI_HD inline FrictionBasis<4> mollified_friction_basis(const MollifiedCase& sub,
+                                                         const Stencil<4>& x,
+                                                         double eps_cross,
+                                                         const BarrierParams& params) {
+    const PairGeometry<4> pair = mollified_geometry(sub, x);
+    FrictionBasis<4> out;
+    detail::set_tangents(pair.n, x.x[1] - x.x[0], out);
+    for (int i = 0; i < 4; ++i)
+        out.w[i] = pair.w[i];
+    out.normal_force = -params.kappa * mollifier(edge_cross_sq(x), eps_cross).value
+                     * barrier_slope(params.exponent, pair.d, params.dhat);
+    return out;
+}
+
+/// Basis of a point on a half-space of any normal. For a moving plane the caller
+/// subtracts the plane's own displacement from the point's. Valid: d > 0.
+/// Source: MATH 5, 6.
+NOLI_HD inline FrictionBasis<1> half_space_friction_basis(const Vec3d& x,
+                                                          const BarrierPlane& plane,
+                                                          const BarrierParams& params) {
+    FrictionBasis<1> out;
+    detail::set_tangents(plane.normal, Vec3d{0.0, 0.0, 0.0}, out);
+    out.w[0] = 1.0;
+    out.normal_force =
+        -params.kappa
+        * barrier_slope(params.exponent, half_space_distance(x, plane), params.dhat);
+    return out;
+}
+
+/// mu lambda_N f0(|u|), J.
+///
+/// Source:  MATH 5
+/// In:      moved  x_i - x_i^n, displacements since the step's start, m
+///          mu     friction coefficient; >= 0
+///          eps    epsv dt, m; > 0
+template <int S>
+NOLI_HD inline double friction_energy(const FrictionBasis<S>& basis,
+                                      const Stencil<S>& moved,
+                                      double mu,
+                                      double eps) {
+    const Vec2d u = detail::tangential_displacement(basis, moved);
+    return mu * basis.normal_force * friction_law(detail::hypot2(u.x, u.y), eps).f0;
+}
+
+/// mu lambda_N (f1 / |u|) w_i B u, N. Source: MATH 5.
+template <int S>
+NOLI_HD inline StencilGradient<S> friction_gradient(const FrictionBasis<S>& basis,
+                                                    const Stencil<S>& moved,
+                                                    double mu,
+                                                    double eps) {
+    const Vec2d u = detail::tangential_displacement(basis, moved);
+    const FrictionJet f = friction_law(detail::hypot2(u.x, u.y), eps);
+    const Vec3d force =
+        (mu * basis.normal_force * f.f1_over_y) * (u.x * basis.t0 + u.y * basis.t1);
+    StencilGradient<S> out;
+    for (int i = 0; i < S; ++i)
+        out.g[i] = basis.w[i] * force;
+    return out;
+}
+
+/// The exact Hessian, already PSD: along u it is mu lambda_N f1', across u it is mu
+/// lambda_N f1/|u|.
+///
+/// Source:  MATH 5 (no projection needed)
+/// Out:     two modes while sticking (|u| < eps), one while sliding; none without force
+/// Smooth:  continuous at |u| = eps; at |u| = 0 both values are 2/eps, along any
+/// direction
+template <int S>
+NOLI_HD inline StencilModes<S, 2> friction_hessian(const FrictionBasis<S>& basis,
+                                                   const Stencil<S>& moved,
+                                                   double mu,
+                                                   double eps) {
+    const Vec2d u = detail::tangential_displacement(basis, moved);
+    const double y = detail::hypot2(u.x, u.y);
+    const FrictionJet f = friction_law(y, eps);
+    const Vec2d dir = y > 0.0 ? Vec2d{u.x / y, u.y / y} : Vec2d{1.0, 0.0};
+    const Vec3d along = dir.x * basis.t0 + dir.y * basis.t1;
+    const Vec3d across = dir.x * basis.t1 - dir.y * basis.t0;
+    const Vec3d directions[2] = {across, along};
+    const double values[2] = {f.f1_over_y, f.df1};
+
+    StencilModes<S, 2> out{};
+    for (int k = 0; k < 2; ++k) {
+        const double stiffness = mu * basis.normal_force * values[k];
+        if (!(stiffness > 0.0)) continue;
+        const double scale = std::sqrt(stiffness);
+        for (int i = 0; i < S; ++i)
+            out.q[out.rank][i] = (scale * basis.w[i]) * directions[k];
+        ++out.rank;
+    }
+    return out;
+}
+
+}  // namespace noli

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Nearly parallel edge-edge pairs: E = kappa m(gamma) b(d^2) on the four edge vertices.
+///
+/// gamma always comes from the two whole edges; the distance from the sub-case that is
+/// closest (point-point, point-edge or edge-edge), whose other vertices get weight zero.
+/// Notation as in MATH 3: u = a1 - a0, v = b1 - b0, k = u x v, c = |k|, gamma = c^2,
+/// s = d / dhat, and the 3 x 12 matrix K = dk/dx.
+
+#include "core/stencil.hpp"
+#include "energy/barrier.hpp"
+#include "energy/contact_frame.hpp"
+#include "energy/contact_pair.hpp"
+#include "energy/mollified_exact.hpp"
+#include "energy/mollifier.hpp"
+#include "energy/small_eigen.hpp"
+
+#include <cstdint>
+
+namespace noli {
+
+/// Which PSD model of a mollified pair's Hessian to build.
+///
+/// TwoMode   A PSD(M2) A^T, A = [grad c | grad d / dhat]: the authors', rank 2, too soft.
+/// FourMode  TwoMode + 2 b_gamma K^T (I - k k^T / c^2) K: rank 4, finite at c = 0.
+/// Default. Exact     numeric projection of the exact Hessian.
+enum class MollifiedHessian : std::uint8_t { TwoMode, FourMode, Exact };
+
+/// The sub-case of a mollified pair: local[i] is the place of its i-th point among
+/// (a0, a1, b0, b1), points ordered as in its kind (PP: p, q; PE: p, a, b; EE: a0, a1,
+/// b0, b1).
+struct MollifiedCase {
+    PairKind kind;
+    int local[4];
+};
+
+/// Largest number of modes that mollified_hessian writes.
+inline constexpr int kMollifiedModes = 12;
+
+/// Largest rank under one Hessian model. Exact: translations of the pair carry no energy.
+NOLI_HD constexpr int max_rank(MollifiedHessian model) {
+    if (model == MollifiedHessian::TwoMode) return 2;
+    return model == MollifiedHessian::FourMode ? 4 : 9;
+}
+
+namespace detail {
+
+/// Copies a sub-case's frame to the four edge vertices, zero weights elsewhere.
+template <int S>
+NOLI_HD inline ContactFrame<4> embed_frame(const MollifiedCase& sub,
+                                           const Stencil<4>& x) {
+    Stencil<S> points;
+    for (int j = 0; j < S; ++j)
+        points.x[j] = x.x[sub.local[j]];
+    const ContactFrame<S> from = contact_frame(sub.kind, points);
+    ContactFrame<4> to{};
+    to.d = from.d;
+    to.n = from.n;
+    to.num_tangents = from.num_tangents;
+    for (int k = 0; k < from.num_tangents; ++k)
+        to.t[k] = from.t[k];
+    for (int j = 0; j < S; ++j) {
+        to.w[sub.local[j]] = from.w[j];
+        for (int k = 0; k < from.num_tangents; ++k)
+            to.v[k][sub.local[j]] = from.v[k][j];
+    }
+    return to;
+}
+
+template <int S>
+NOLI_HD inline PairGeometry<4> embed_geometry(const MollifiedCase& sub,
+                                              const Stencil<4>& x) {
+    Stencil<S> points;
+    for (int j = 0; j < S; ++j)
+        points.x[j] = x.x[sub.local[j]];
+    const PairGeometry<S> from = pair_geometry(sub.kind, points);
+    PairGeometry<4> to{};
+    to.d = from.d;
+    to.n = from.n;
+    for (int j = 0; j < S; ++j)
+        to.w[sub.local[j]] = from.w[j];
+    return to;
+}
+
+/// 0 < d < dhat: elsewhere the pair has no gradient (at d = 0 its energy is infinite).
+NOLI_HD inline bool inside_band(double d, const BarrierParams& params) {
+    return d > 0.0 && d < params.dhat;
+}
+
+NOLI_HD inline ContactFrame<4> mollified_frame(const MollifiedCase& sub,
+                                               const Stencil<4>& x) {
+    if (sub.kind == PairKind::PointPoint) return embed_frame<2>(sub, x);
+    if (sub.kind == PairKind::PointEdge) return embed_frame<3>(sub, x);
+    return embed_frame<4>(sub, x);
+}
+
+}  // namespace detail
+
+/// Distance, normal and weights of the sub-case on the four edge vertices.
+NOLI_HD inline PairGeometry<4> mollified_geometry(const MollifiedCase& sub,
+                                                  const Stencil<4>& x) {
+    if (sub.kind == PairKind::PointPoint) return detail::embed_geometry<2>(sub, x);
+    if (sub.kind == PairKind::PointEdge) return detail::embed_geometry<3>(sub, x);
+    return detail::embed_geometry<4>(sub, x);
+}
+
+/// kappa m(gamma) b(d^2), J.
+///
+/// Source:  MATH 3.1
+/// In:      sub        sub-case of the distance
+///          x          a0, a1, b0, b1, m
+///          eps_cross  threshold of the rest edges (edge_edge_threshold), m^4
+/// Smooth:  C1 at gamma == eps_cross; zero for exactly parallel edges; infinite at d = 0
+NOLI_HD inline double mollified_energy(const MollifiedCase& sub,
+                                       const Stencil<4>& x,
+                                       double eps_cross,
+                                       const BarrierParams& params) {
+    const double d = mollified_geometry(sub, x).d;
+    if (!(d > 0.0)) return HUGE_VAL;
+    return params.kappa * mollifier(edge_cross_sq(x), eps_cross).value
+         * barrier(params.exponent, d * d, params.dhat * params.dhat).value;
+}
+
+/// kappa (m' b grad gamma + m b_d grad d), N; grad gamma = 2 K^T k needs no division by
+/// c. Source: MATH 3.4.
+NOLI_HD inline StencilGradient<4> mollified_gradient(const MollifiedCase& sub,
+                                                     const Stencil<4>& x,
+                                                     double eps_cross,
+                                                     const BarrierParams& params) {
+    const PairGeometry<4> pair = mollified_geometry(sub, x);
+    if (!detail::inside_band(pair.d, params)) return {};
+    const Vec3d u = x.x[1] - x.x[0];
+    const Vec3d v = x.x[3] - x.x[2];
+    const Vec3d k = cross(u, v);
+    const MollifierJet m = mollifier(norm_sq(k), eps_cross);
+    const BarrierJet b =
+        barrier(params.exponent, pair.d * pair.d, params.dhat * params.dhat);
+
+    StencilGradient<4> out = detail::cross_product_pullback(u, v, k);
+    const double along_gamma = 2.0 * params.kappa * m.d1 * b.value;
+    const double along_d = 2.0 * params.kappa * m.value * pair.d * b.d1;
+    for (int i = 0; i < 4; ++i)
+        out.g[i] = along_gamma * out.g[i] + (along_d * pair.w[i]) * pair.n;
+    return out;
+}
+
+namespace detail {
+
+/// Two unit vectors that complete the unit vector k to an orthonormal frame.
+NOLI_HD inline void complete_frame(const Vec3d& k, Vec3d& p, Vec3d& q) {
+    const Vec3d axis = std::fabs(k.x) < 0.6 ? Vec3d{1.0, 0.0, 0.0} : Vec3d{0.0, 1.0, 0.0};
+    p = normalized(cross(k, axis));
+    q = cross(k, p);
+}
+
+/// k / |k| where |k|^2 may underflow; k != 0.
+NOLI_HD inline Vec3d scaled_unit(const Vec3d& k) {
+    const double size = max_abs(k);
+    return normalized(Vec3d{k.x / size, k.y / size, k.z / size});
+}
+
+/// The closed-form models. Exactly parallel edges (c = 0) have no direction k / c:
+/// FourMode's sum does not depend on it there (any unit vector gives 2 b_gamma K^T K),
+/// TwoMode's does, so the authors' model has no modes there.
+NOLI_HD inline StencilModes<4, kMollifiedModes> closed_form_modes(
+    MollifiedHessian model,
+    const MollifiedCase& sub,
+    const Stencil<4>& x,
+    double eps_cross,
+    const BarrierParams& params) {
+    StencilModes<4, kMollifiedModes> out{};
+    const PairGeometry<4> pair = mollified_geometry(sub, x);
+    if (!detail::inside_band(pair.d, params)) return out;
+    const Vec3d u = x.x[1] - x.x[0];
+    const Vec3d v = x.x[3] - x.x[2];
+    const Vec3d k = cross(u, v);
+    const double gamma = norm_sq(k);
+    const double c = std::sqrt(gamma);
+    const bool parallel = !(max_abs(k) > 0.0);
+    if (parallel && model == MollifiedHessian::TwoMode) return out;
+    const Vec3d k_hat = parallel ? Vec3d{1.0, 0.0, 0.0} : scaled_unit(k);
+
+    const MollifierJet m = mollifier(gamma, eps_cross);
+    const BarrierJet b =
+        barrier(params.exponent, pair.d * pair.d, params.dhat * params.dhat);
+    const double b_d = 2.0 * pair.d * b.d1;
+    const double b_dd = 4.0 * pair.d * pair.d * b.d2 + 2.0 * b.d1;
+    const double dhat = params.dhat;
+    const SymmetricEigen<2> eigen =
+        eigen_symmetric_2x2(params.kappa * 2.0 * b.value * (m.d1 + 2.0 * gamma * m.d2),
+                            params.kappa * 2.0 * c * m.d1 * b_d * dhat,
+                            params.kappa * m.value * b_dd * dhat * dhat);
+    const StencilGradient<4> grad_c = cross_product_pullback(u, v, k_hat);
+    for (int mode = 0; mode < 2; ++mode) {
+        if (!(eigen.values[mode] > 0.0)) continue;
+        const double scale = std::sqrt(eigen.values[mode]);
+        const double along_c = scale * eigen.vectors[mode][0];
+        const double along_d = scale * eigen.vectors[mode][1] / dhat;
+        for (int i = 0; i < 4; ++i)
+            out.q[out.rank][i] = along_c * grad_c.g[i] + (along_d * pair.w[i]) * pair.n;
+        ++out.rank;
+    }
+    const double b_gamma = params.kappa * m.d1 * b.value;
+    if (model == MollifiedHessian::TwoMode || !(b_gamma > 0.0)) return out;
+
+    Vec3d across[2];
+    complete_frame(k_hat, across[0], across[1]);
+    for (const Vec3d& p : across) {
+        const StencilGradient<4> mode =
+            cross_product_pullback(u, v, std::sqrt(2.0 * b_gamma) * p);
+        for (int i = 0; i < 4; ++i)
+            out.q[out.rank][i] = mode.g[i];
+        ++out.rank;
+    }
+    return out;
+}
+
+}  // namespace detail
+
+/// PSD Hessian of a mollified pair, H = sum_k q_k q_k^T, N/m.
+///
+/// Source:  MATH 3.3, 3.4; no cap on the curvature
+/// In:      as mollified_energy
+/// Out:     at most max_rank(model) modes
+/// Valid:   d > 0; finite for exactly parallel edges
+NOLI_HD inline StencilModes<4, kMollifiedModes> mollified_hessian(
+    MollifiedHessian model,
+    const MollifiedCase& sub,
+    const Stencil<4>& x,
+    double eps_cross,
+    const BarrierParams& params) {
+    if (model != MollifiedHessian::Exact)
+        return detail::closed_form_modes(model, sub, x, eps_cross, params);
+    StencilModes<4, kMollifiedModes> out{};
+    const ContactFrame<4> frame = detail::mollified_frame(sub, x);
+    if (!detail::inside_band(frame.d, params)) return out;
+    double H[9][9];
+    detail::mollified_exact_hessian(
+        frame,
+        x,
+        mollifier(edge_cross_sq(x), eps_cross),
+        barrier(params.exponent, frame.d * frame.d, params.dhat * params.dhat),
+        H);
+    const SymmetricEigen<9> eigen = eigen_symmetric<9>(H);
+    for (int mode = 0; mode < 9; ++mode) {
+        if (!(eigen.values[mode] > 0.0)) continue;
+        detail::from_contrasts(eigen.vectors[mode],
+                               std::sqrt(params.kappa * eigen.values[mode]),
+                               out.q[out.rank]);
+        ++out.rank;
+    }
+    return out;
+}
+
+}  // namespace noli

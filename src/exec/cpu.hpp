@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The CPU executors: Cpu (oneTBB), Serial (the reference) and Shuffled (indices in a scrambled
+/// order, to catch loops whose result depends on order). All three give bitwise equal results.
+
+#include "core/view.hpp"
+#include "exec/buffer.hpp"
+#include "exec/lanes.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace noli {
+
+namespace detail {
+
+/// Runs f(i) for i in [0, n) with TBB; small loops stay on this thread.
+struct TbbOrder {
+    template <class F>
+    static void run(int n, int grain, const F& f) {
+        if (n <= grain) {
+            for (int i = 0; i < n; ++i)
+                f(i);
+            return;
+        }
+        tbb::parallel_for(tbb::blocked_range<int>(0, n, grain), [&](const tbb::blocked_range<int>& range) {
+            for (int i = range.begin(); i != range.end(); ++i)
+                f(i);
+        });
+    }
+};
+
+struct SerialOrder {
+    template <class F>
+    static void run(int n, int /*grain*/, const F& f) {
+        for (int i = 0; i < n; ++i)
+            f(i);
+    }
+};
+
+/// Visits every index once, in the order of multiplication by a number coprime to n.
+struct ShuffledOrder {
+    template <class F>
+    static void run(int n, int /*grain*/, const F& f) {
+        if (n == 0) return;  // gcd(stride, 0) is never 1
+        std::int64_t stride = 7919;
+        while (std::gcd(stride, static_cast<std::int64_t>(n)) > 1)
+            ++stride;
+        for (std::int64_t i = 0; i < n; ++i)
+            f(static_cast<int>((n - 1) - (i * stride) % n));
+    }
+};
+
+}  // namespace detail
+
+/// Runs kernels on the host. Reductions use a fixed partition, so results do not depend on the
+/// number of threads nor on the order of execution.
+template <class Order>
+class HostExec {
+  public:
+    template <class T>
+    using Buffer = HostBuffer<T>;
+    static constexpr bool kIsDevice = false;
+
+    /// f(i) for every i in [0, n). `grain` is the least number of items worth a task.
+    template <class F>
+    void for_each(const char* /*name*/, int n, F f, int grain = 128) {
+        Order::run(n, grain, f);
+    }
+
+    /// f(lane) for every element, several at a time: see exec/lanes.hpp.
+    template <class F>
+    void for_lanes(const char* /*name*/, int n, F f) {
+        const LaneDispatch dispatch = lane_dispatch();
+        const int blocks = (n + kLaneBlock - 1) / kLaneBlock;
+        Order::run(blocks, 1, [&](int b) {
+            const int begin = b * kLaneBlock;
+            run_lane_block(dispatch, begin, std::min(n, begin + kLaneBlock), f);
+        });
+    }
+
+    /// f(0) + ... + f(n-1), added in an order that only n determines.
+    template <class F>
+    double sum(const char* /*name*/, int n, F f) {
+        return reduce(n, 0.0, f, [](double a, double b) { return a + b; });
+    }
+
+    /// Smallest f(i); +infinity when n is 0. A NaN anywhere gives NaN.
+    template <class F>
+    double min(const char* /*name*/, int n, F f) {
+        constexpr double kNone = std::numeric_limits<double>::infinity();
+        return reduce(n, kNone, f, [](double a, double b) { return (b < a || b != b) ? b : a; });
+    }
+
+    /// offsets[i] = counts[0] + ... + counts[i-1]; offsets has one item more than counts and may
+    /// not alias it. Returns the total.
+    int scan(const char* /*name*/, View<const int> counts, View<int> offsets) {
+        int total = 0;
+        for (int i = 0; i < counts.size; ++i) {
+            offsets[i] = total;
+            total += counts[i];
+        }
+        offsets[counts.size] = total;
+        return total;
+    }
+
+    /// Sorts keys and carries values along; equal keys keep their order.
+    template <class Key>
+    void sort_by_key(const char* /*name*/, View<Key> keys, View<int> values) {
+        const std::size_t n = static_cast<std::size_t>(keys.size);
+        std::vector<Key> other_keys(n);
+        std::vector<int> other_values(n);
+        Key* k0 = keys.data;
+        Key* k1 = other_keys.data();
+        int* v0 = values.data;
+        int* v1 = other_values.data();
+        for (unsigned shift = 0; shift < 8 * sizeof(Key); shift += 8) {
+            std::size_t start[257] = {};
+            for (std::size_t i = 0; i < n; ++i)
+                ++start[((k0[i] >> shift) & 255) + 1];
+            if (std::find(start, start + 257, n) != start + 257) continue;  // one digit only
+            for (int d = 0; d < 256; ++d)
+                start[d + 1] += start[d];
+            for (std::size_t i = 0; i < n; ++i) {
+                const std::size_t at = start[(k0[i] >> shift) & 255]++;
+                k1[at] = k0[i];
+                v1[at] = v0[i];
+            }
+            std::swap(k0, k1);
+            std::swap(v0, v1);
+        }
+        if (k0 != keys.data) {
+            std::copy(k0, k0 + n, keys.data);
+            std::copy(v0, v0 + n, values.data);
+        }
+    }
+
+    template <class T>
+    void upload(const std::vector<T>& from, HostBuffer<T>& to) {
+        to.resize(static_cast<int>(from.size()));
+        std::copy(from.begin(), from.end(), to.view().begin());
+    }
+    template <class T>
+    void download(View<const T> from, std::vector<T>& to) {
+        to.assign(from.begin(), from.end());
+    }
+    /// to[i] = from[i]; sizes must agree.
+    template <class T>
+    void copy(View<const T> from, View<T> to) {
+        NOLI_DCHECK(from.size == to.size);
+        std::copy(from.begin(), from.end(), to.begin());
+    }
+    /// One item, host side. Slow on a device: not for loops.
+    template <class T>
+    T read(View<const T> from, int i) {
+        return from[i];
+    }
+
+  private:
+    template <class F, class Combine>
+    double reduce(int n, double start, F f, Combine combine) {
+        constexpr int kChunk = 512;  // fixed: the split must not depend on the thread count
+        const int chunks = (n + kChunk - 1) / kChunk;
+        const auto reduce_chunk = [&](int c) {
+            double acc = start;
+            const int end = std::min(n, (c + 1) * kChunk);
+            for (int i = c * kChunk; i < end; ++i)
+                acc = combine(acc, f(i));
+            return acc;
+        };
+        if (chunks <= 1) return reduce_chunk(0);
+        partial_.resize(static_cast<std::size_t>(chunks));
+        double* partial = partial_.data();
+        Order::run(chunks, 2, [&](int c) { partial[c] = reduce_chunk(c); });
+        double acc = start;
+        for (int c = 0; c < chunks; ++c)
+            acc = combine(acc, partial[c]);
+        return acc;
+    }
+
+    std::vector<double> partial_;
+};
+
+using CpuExec = HostExec<detail::TbbOrder>;
+using SerialExec = HostExec<detail::SerialOrder>;
+using ShuffledExec = HostExec<detail::ShuffledOrder>;
+
+}  // namespace noli

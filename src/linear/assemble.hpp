@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The whole operator, block matrix + low-rank terms, as one matrix on the host: input of CHOLMOD
+/// and of the incomplete factorisation, and the oracle of the matrix-free product.
+///
+/// Unknowns may be renumbered on the way: `rank` gives each vertex its place in the result, -1
+/// leaves it out (fixed vertices).
+
+#include "linear/block_matrix.hpp"
+#include "linear/low_rank.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace noli {
+
+/// Upper triangle of a symmetric matrix by columns (CSC): rows ascending, diagonal last.
+struct SparseMatrix {
+    int num_rows = 0;
+    std::vector<int> col_begin;  ///< num_rows + 1
+    std::vector<int> row;
+    std::vector<double> value;
+};
+
+/// Lower block triangle by rows: columns ascending, diagonal block last in each row.
+struct MergedBlocks {
+    std::vector<int> row_begin;  ///< num_rows + 1
+    std::vector<int> col;
+    std::vector<int> source;   ///< index of the block in the block matrix, -1 where only terms are
+    std::vector<Mat3d> value;  ///< full 3x3 blocks, the diagonal ones too
+
+    [[nodiscard]] int num_rows() const { return static_cast<int>(row_begin.size()) - 1; }
+};
+
+/// Both parts of the operator in host memory.
+struct OperatorView {
+    View<const int> row_begin, col;  ///< block matrix, rows of both triangles
+    View<const Mat3d> values;
+    View<const Int4> vertices;  ///< low-rank terms
+    View<const int> first_mode;
+    View<const Mode> modes;
+    View<const int> touched, touched_begin, slots;
+};
+
+/// Where each vertex goes: unknowns keep the order of the vertices, fixed ones are left out.
+struct Numbering {
+    std::vector<int> rank;    ///< per vertex: its unknown, or -1
+    std::vector<int> vertex;  ///< per unknown: its vertex
+};
+
+Numbering number_free_vertices(std::span<const std::uint8_t> fixed);
+
+/// Scalar upper triangle of merged blocks.
+SparseMatrix to_sparse(const MergedBlocks& blocks);
+
+namespace detail {
+
+inline View<const int> const_view(const std::vector<int>& v) {
+    return {v.data(), static_cast<int>(v.size())};
+}
+
+/// Per vertex: its index in the list of touched vertices, or -1.
+std::vector<int> touched_of_vertex(const OperatorView& op);
+
+/// The blocks of one merged row as (column, source), ascending, diagonal last.
+void merged_row(const OperatorView& op,
+                View<const int> touched_index,
+                View<const int> rank,
+                int vertex,
+                std::vector<std::pair<int, int>>& out);
+
+/// Values of one merged row, in double.
+void merged_row_values(const OperatorView& op,
+                       View<const int> touched_index,
+                       View<const int> rank,
+                       int vertex,
+                       std::span<const int> cols,
+                       std::span<const int> sources,
+                       Mat3d* out);
+
+/// A host view of a buffer: itself for CPU executors, a downloaded copy otherwise.
+template <class Exec, class T>
+View<const T> host_view(Exec& exec, View<const T> from, std::vector<T>& copy) {
+    if constexpr (Exec::kIsDevice) {
+        exec.download(from, copy);
+        return {copy.data(), static_cast<int>(copy.size())};
+    } else {
+        (void)exec;
+        (void)copy;
+        return from;
+    }
+}
+
+}  // namespace detail
+
+/// Host memory behind an OperatorView when the executor is a device.
+struct OperatorCopy {
+    std::vector<int> row_begin, col, first_mode, touched, touched_begin, slots;
+    std::vector<Mat3d> values;
+    std::vector<Int4> vertices;
+    std::vector<Mode> modes;
+};
+
+/// Views of both parts of the operator; `copy` must outlive the result.
+template <class Exec>
+OperatorView view_operator(Exec& exec,
+                           const BlockMatrix<Exec>& matrix,
+                           const LowRankTerms<Exec>& terms,
+                           OperatorCopy& copy) {
+    return {detail::host_view(exec, matrix.row_begin(), copy.row_begin),
+            detail::host_view(exec, matrix.col(), copy.col),
+            detail::host_view(exec, matrix.values(), copy.values),
+            detail::host_view(exec, terms.terms(), copy.vertices),
+            detail::host_view(exec, terms.mode_begin(), copy.first_mode),
+            detail::host_view(exec, terms.mode_view(), copy.modes),
+            detail::host_view(exec, terms.touched(), copy.touched),
+            detail::host_view(exec, terms.touched_begin(), copy.touched_begin),
+            detail::host_view(exec, terms.slots(), copy.slots)};
+}
+
+/// Fills the pattern of the merged lower triangle in the given numbering. `loop(n, f)` runs f(i)
+/// for i in [0, n) in any order.
+template <class Loop>
+void merge_pattern(const Loop& loop,
+                   const OperatorView& op,
+                   View<const int> touched_index,
+                   const Numbering& numbering,
+                   MergedBlocks& out) {
+    const int n = static_cast<int>(numbering.vertex.size());
+    const int* vertex = numbering.vertex.data();
+    const View<const int> rank = detail::const_view(numbering.rank);
+    std::vector<int>& begin = out.row_begin;
+    begin.assign(static_cast<std::size_t>(n) + 1, 0);
+    int* length = begin.data() + 1;
+    loop(n, [&, length](int i) {
+        thread_local std::vector<std::pair<int, int>> row;
+        detail::merged_row(op, touched_index, rank, vertex[i], row);
+        length[i] = static_cast<int>(row.size());
+    });
+    for (std::size_t i = 1; i < begin.size(); ++i)
+        begin[i] += begin[i - 1];
+    out.col.resize(static_cast<std::size_t>(begin.back()));
+    out.source.resize(out.col.size());
+    loop(n, [&](int i) {
+        thread_local std::vector<std::pair<int, int>> row;
+        detail::merged_row(op, touched_index, rank, vertex[i], row);
+        std::size_t at = static_cast<std::size_t>(begin[static_cast<std::size_t>(i)]);
+        for (const auto& [c, source] : row) {
+            out.col[at] = c;
+            out.source[at++] = source;
+        }
+    });
+}
+
+/// Fills the values of a merged lower triangle whose pattern is set.
+template <class Loop>
+void merge_values(const Loop& loop,
+                  const OperatorView& op,
+                  View<const int> touched_index,
+                  const Numbering& numbering,
+                  MergedBlocks& out) {
+    out.value.resize(out.col.size());
+    const View<const int> rank = detail::const_view(numbering.rank);
+    loop(out.num_rows(), [&](int i) {
+        const auto row = static_cast<std::size_t>(i);
+        const auto begin = static_cast<std::size_t>(out.row_begin[row]);
+        const auto count = static_cast<std::size_t>(out.row_begin[row + 1]) - begin;
+        detail::merged_row_values(op,
+                                  touched_index,
+                                  rank,
+                                  numbering.vertex[row],
+                                  std::span(out.col).subspan(begin, count),
+                                  std::span(out.source).subspan(begin, count),
+                                  out.value.data() + begin);
+    });
+}
+
+/// Everything as one sparse matrix over the unknowns of `numbering`, three rows per vertex.
+template <class Exec>
+SparseMatrix assemble_sparse(Exec& exec,
+                             const BlockMatrix<Exec>& matrix,
+                             const LowRankTerms<Exec>& terms,
+                             const Numbering& numbering) {
+    OperatorCopy copy;
+    const OperatorView op = view_operator(exec, matrix, terms, copy);
+    const std::vector<int> touched = detail::touched_of_vertex(op);
+    const auto loop = [](int n, const auto& f) {
+        for (int i = 0; i < n; ++i)
+            f(i);
+    };
+    MergedBlocks merged;
+    merge_pattern(loop, op, detail::const_view(touched), numbering, merged);
+    merge_values(loop, op, detail::const_view(touched), numbering, merged);
+    return to_sparse(merged);
+}
+
+}  // namespace noli

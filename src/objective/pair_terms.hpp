@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Loops over contact pairs: barrier energy, gradients and modes of each pair type, written as
+/// low-rank terms of the operator. One loop text for all types; formulas are in energy/.
+
+#include "contact/pairs.hpp"
+#include "energy/contact_pair.hpp"
+#include "energy/half_space.hpp"
+#include "energy/mollified_pair.hpp"
+#include "linear/low_rank.hpp"
+
+namespace noli {
+
+/// The Hessian models in use and the barrier's constants.
+struct ContactLaw {
+    BarrierParams barrier;
+    ContactHessian hessian;
+    MollifiedHessian mollified;
+};
+
+/// Where the terms of one pair type go: from `term` and `mode` on, `rank` modes each.
+struct TermRange {
+    View<Int4> vertices;    ///< per term, -1 = unused
+    View<int> first_mode;   ///< per term
+    View<Mode> modes;
+    View<Vec3d> gradients;  ///< 4 per term
+    int term = 0;
+    int mode = 0;
+    int rank = 0;
+};
+
+namespace detail {
+
+template <int S>
+struct PairIndex;
+template <>
+struct PairIndex<2> {
+    using Type = Int2;
+};
+template <>
+struct PairIndex<3> {
+    using Type = Int3;
+};
+template <>
+struct PairIndex<4> {
+    using Type = Int4;
+};
+
+template <int S>
+NOLI_HD inline Stencil<S> load_stencil(View<const Vec3d> x, const typename PairIndex<S>::Type& v) {
+    Stencil<S> out;
+    for (int i = 0; i < S; ++i)
+        out.x[i] = x[v[i]];
+    return out;
+}
+
+NOLI_HD inline MollifiedCase mollified_case(const MollifiedPair& pair) {
+    return {pair.kind, {pair.local[0], pair.local[1], pair.local[2], pair.local[3]}};
+}
+
+NOLI_HD inline BarrierPlane barrier_plane(const CollisionMesh::Plane& plane) {
+    return {plane.normal, plane.offset};
+}
+
+/// Writes the gradient and at most `rank` modes of one term; missing modes are zero.
+template <int S, int R>
+NOLI_HD inline void store_term(const TermRange& out,
+                               int i,
+                               const int (&v)[S],
+                               const StencilGradient<S>& gradient,
+                               const StencilModes<S, R>& modes) {
+    const int term = out.term + i;
+    const int mode = out.mode + i * out.rank;
+    Int4 vertices{{-1, -1, -1, -1}};
+    for (int s = 0; s < 4; ++s)
+        out.gradients[4 * term + s] = {0.0, 0.0, 0.0};
+    for (int s = 0; s < S; ++s) {
+        vertices[s] = v[s];
+        out.gradients[4 * term + s] = gradient.g[s];
+    }
+    out.vertices[term] = vertices;
+    out.first_mode[term] = mode;
+    for (int k = 0; k < out.rank; ++k) {
+        Mode& to = out.modes[mode + k];
+        for (int s = 0; s < 4; ++s)
+            to.q[s] = {0.0, 0.0, 0.0};
+        if (k >= modes.rank) continue;
+        for (int s = 0; s < S; ++s)
+            to.q[s] = modes.q[k][s];
+    }
+}
+
+}  // namespace detail
+
+/// Sum of kappa b over one type of unmollified pairs, J.
+template <int S, class Exec>
+double pair_energy_sum(Exec& exec,
+                       PairKind kind,
+                       View<const typename detail::PairIndex<S>::Type> pairs,
+                       View<const Vec3d> x,
+                       BarrierParams params) {
+    return exec.sum("objective/pair_energy", pairs.size, [=] NOLI_HD(int i) {
+        return pair_energy(kind, detail::load_stencil<S>(x, pairs[i]), params);
+    });
+}
+
+/// Gradients and modes of one type of unmollified pairs.
+template <int S, class Exec>
+void fill_pair_terms(Exec& exec,
+                     PairKind kind,
+                     View<const typename detail::PairIndex<S>::Type> pairs,
+                     View<const Vec3d> x,
+                     ContactLaw law,
+                     TermRange out) {
+    exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
+        const Stencil<S> at = detail::load_stencil<S>(x, pairs[i]);
+        detail::store_term(out, i, pairs[i].v, pair_gradient(kind, at, law.barrier),
+                           pair_hessian(law.hessian, kind, at, law.barrier));
+    });
+}
+
+template <class Exec>
+double mollified_energy_sum(Exec& exec,
+                            View<const MollifiedPair> pairs,
+                            View<const Vec3d> x,
+                            BarrierParams params) {
+    return exec.sum("objective/mollified_energy", pairs.size, [=] NOLI_HD(int i) {
+        return mollified_energy(detail::mollified_case(pairs[i]), detail::load_stencil<4>(x, pairs[i].v),
+                                pairs[i].eps_cross, params);
+    });
+}
+
+template <class Exec>
+void fill_mollified_terms(Exec& exec,
+                          View<const MollifiedPair> pairs,
+                          View<const Vec3d> x,
+                          ContactLaw law,
+                          TermRange out) {
+    exec.for_each("objective/mollified_terms", pairs.size, [=] NOLI_HD(int i) {
+        const MollifiedCase sub = detail::mollified_case(pairs[i]);
+        const Stencil<4> at = detail::load_stencil<4>(x, pairs[i].v);
+        const double eps_cross = pairs[i].eps_cross;
+        detail::store_term(out, i, pairs[i].v.v, mollified_gradient(sub, at, eps_cross, law.barrier),
+                           mollified_hessian(law.mollified, sub, at, eps_cross, law.barrier));
+    });
+}
+
+template <class Exec>
+double plane_energy_sum(Exec& exec,
+                        View<const Int2> pairs,
+                        View<const CollisionMesh::Plane> planes,
+                        View<const Vec3d> x,
+                        BarrierParams params) {
+    return exec.sum("objective/plane_energy", pairs.size, [=] NOLI_HD(int i) {
+        return half_space_energy(x[pairs[i][0]], detail::barrier_plane(planes[pairs[i][1]]), params);
+    });
+}
+
+template <class Exec>
+void fill_plane_terms(Exec& exec,
+                      View<const Int2> pairs,
+                      View<const CollisionMesh::Plane> planes,
+                      View<const Vec3d> x,
+                      ContactLaw law,
+                      TermRange out) {
+    exec.for_each("objective/plane_terms", pairs.size, [=] NOLI_HD(int i) {
+        const BarrierPlane plane = detail::barrier_plane(planes[pairs[i][1]]);
+        const Vec3d at = x[pairs[i][0]];
+        const int v[1] = {pairs[i][0]};
+        detail::store_term(out, i, v, half_space_gradient(at, plane, law.barrier),
+                           half_space_hessian(at, plane, law.barrier));
+    });
+}
+
+}  // namespace noli

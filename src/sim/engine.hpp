@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The solver behind a Simulator, without saying where it runs.
+
+#include "noli/simulator.hpp"
+
+#include "linear/block_pattern.hpp"
+#include "model/model.hpp"
+#include "step/settings.hpp"
+#include "step/stepper.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace noli {
+
+class Engine {
+  public:
+    Engine() = default;
+    virtual ~Engine() = default;
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+
+    virtual StepReport step() = 0;
+    virtual StepState state() = 0;
+    virtual void set_state(const StepState& state) = 0;
+    virtual std::vector<Vec3d> contact_forces() = 0;  ///< N, of the last step's end
+    virtual double elastic_energy() = 0;              ///< J
+    virtual double barrier_energy() = 0;              ///< of the last step's end, J times h^2
+    [[nodiscard]] virtual std::string device_name() const = 0;
+};
+
+/// What an engine is built from; all must outlive it.
+struct EngineInput {
+    const Model& model;
+    const BlockPattern& pattern;
+    const StepSettings& settings;
+    Vector3 gravity;
+    int threads;
+};
+
+std::unique_ptr<Engine> make_cpu_engine(const EngineInput& input);
+
+/// Only in builds with CUDA; fails without a usable GPU.
+Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& input);
+
+}  // namespace noli

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "noli/simulator.hpp"
+
+#include "output/hash.hpp"
+#include "sim/engine.hpp"
+#include "sim/estimate.hpp"
+#include "sim/state_bytes.hpp"
+#include "sim/stress.hpp"
+#include "sim/verify.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace noli {
+
+namespace {
+
+Vector3 to_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+std::vector<Vector3> to_arrays(const std::vector<Vec3d>& items) {
+    std::vector<Vector3> out(items.size());
+    std::transform(items.begin(), items.end(), out.begin(), to_array);
+    return out;
+}
+
+double peak_megabytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+StepSettings step_settings(const Scene& scene, const Model& model, bool record) {
+    const auto positive = [](double mu) { return mu > 0.0; };
+    return {.dt = scene.dt,
+            .dhat = model.dhat,
+            .epsv = model.epsv,
+            .diagonal = model.diagonal,
+            .mean_mass = model.mean_mass,
+            .has_friction = std::any_of(model.pair_friction.begin(), model.pair_friction.end(), positive)
+                            || std::any_of(model.plane_friction.begin(), model.plane_friction.end(), positive),
+            .contact = scene.contact,
+            .damping = scene.damping,
+            .solver = scene.solver,
+            .record_iterations = record};
+}
+
+}  // namespace
+
+const char* to_string(Outcome outcome) {
+    switch (outcome) {
+        case Outcome::Converged: return "converged";
+        case Outcome::MaxIterations: return "max_iterations";
+        case Outcome::Stalled: return "stalled";
+        case Outcome::LinearSolverFailed: return "linear_solver_failed";
+        case Outcome::NumericalTrouble: return "numerical_trouble";
+        case Outcome::BoundaryBlocked: return "boundary_blocked";
+        case Outcome::Intersecting: return "intersecting";
+    }
+    return "unknown";
+}
+
+struct Simulator::Impl {
+    Scene scene;
+    SimulatorOptions options;
+    Model model;
+    BlockPattern pattern;
+    StepSettings settings;
+    std::unique_ptr<Engine> engine;
+    std::unique_ptr<Verifier> verifier;  // made when first needed
+    Resolved resolved;
+    // The public face speaks of plain arrays; these are copies in its types.
+    std::vector<std::array<int, 4>> tets;
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<std::array<int, 2>> segments;
+
+    Status start();
+    Status choose_engine();
+    void copy_topology();
+    void resolve();
+};
+
+Status Simulator::Impl::choose_engine() {
+    const EngineInput input{model, pattern, settings, scene.gravity, options.threads};
+    if (options.device == Device::Cuda) {
+        auto made = make_cuda_engine(input);
+        if (!made) return made.error();
+        engine = std::move(made.value());
+        return Done{};
+    }
+    if (options.device == Device::Auto) {
+        auto made = make_cuda_engine(input);
+        if (made) {
+            engine = std::move(made.value());
+            resolved.device_note = "a usable GPU was found";
+            return Done{};
+        }
+        resolved.device_note = made.error().message;
+    }
+    engine = make_cpu_engine(input);
+    return Done{};
+}
+
+void Simulator::Impl::copy_topology() {
+    tets.resize(model.tets.size());
+    for (std::size_t k = 0; k < model.tets.size(); ++k)
+        std::copy_n(model.tets[k].v, 4, tets[static_cast<std::size_t>(model.tet_source[k])].begin());
+    for (const Int3& t : model.triangles)
+        triangles.push_back({t[0], t[1], t[2]});
+    for (const Int2& s : model.segments)
+        segments.push_back({s[0], s[1]});
+}
+
+void Simulator::Impl::resolve() {
+    resolved.diagonal = model.diagonal;
+    resolved.dhat = model.dhat;
+    resolved.epsv = model.epsv;
+    resolved.tolerance = model.tolerance(scene.solver, 0);
+    resolved.device = engine->device_name();
+    resolved.estimated_mb = estimate_megabytes(model);
+    resolved.total_mass = model.total_mass;
+    resolved.num_vertices = model.num_vertices;
+    resolved.num_tets = model.num_tets();
+    resolved.num_triangles = static_cast<int>(model.triangles.size());
+    resolved.num_bodies = model.num_bodies();
+}
+
+Status Simulator::Impl::start() {
+    if (scene.solver.linear == LinearSolver::Cholmod && !CholmodSolver::available())
+        return Error{Error::Code::Unsupported, "solver.linear",
+                     "this build has no CHOLMOD; install SuiteSparse and build with NOLI_CHOLMOD=ON, or use \"pcg\""};
+    pattern = build_block_pattern(model.num_vertices, model.tets);
+    settings = step_settings(scene, model, options.record_iterations);
+    Status chosen = choose_engine();
+    if (!chosen) return chosen.error();
+    copy_topology();
+    resolve();
+    return Done{};
+}
+
+Simulator::Simulator(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+Simulator::~Simulator() = default;
+
+Result<Simulator> Simulator::create(const Scene& scene, const SimulatorOptions& options) {
+    Result<Model> model = build_model(scene);
+    if (!model) return model.error();
+    auto impl = std::make_unique<Impl>();
+    impl->scene = scene;
+    impl->options = options;
+    impl->model = std::move(model.value());
+    Status started = impl->start();
+    if (!started) return started.error();
+    return Simulator(std::move(impl));
+}
+
+StepReport Simulator::step() {
+    const auto start = std::chrono::steady_clock::now();
+    StepReport report = impl_->engine->step();
+    if (impl_->options.verify) {
+        const VerifyReport exact = verify();
+        report.intersections = exact.num_intersections;
+        report.inversions = exact.num_inversions;
+        if (exact.num_intersections + exact.num_inversions > 0 && report.outcome == Outcome::Converged) {
+            report.outcome = Outcome::Intersecting;
+            report.message = "the exact test found " + std::to_string(exact.num_intersections)
+                             + " intersections and " + std::to_string(exact.num_inversions)
+                             + " inverted tetrahedra after this step";
+        }
+    }
+    report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.peak_mb = peak_megabytes();
+    return report;
+}
+
+int Simulator::steps_done() const { return impl_->engine->state().steps; }
+double Simulator::time() const { return steps_done() * impl_->scene.dt; }
+const Resolved& Simulator::resolved() const { return impl_->resolved; }
+
+Topology Simulator::topology() const {
+    return {impl_->tets, impl_->triangles, impl_->segments, impl_->model.body, impl_->model.body_names,
+            impl_->model.mass};
+}
+
+std::vector<Vector3> Simulator::positions() const { return to_arrays(impl_->engine->state().x); }
+std::vector<Vector3> Simulator::velocities() const { return to_arrays(impl_->engine->state().v); }
+
+Fields Simulator::fields() {
+    Fields out;
+    out.contact_force = to_arrays(impl_->engine->contact_forces());
+    tet_stresses(impl_->model, impl_->engine->state().x, out.stress, out.von_mises);
+    return out;
+}
+
+VerifyReport Simulator::verify() const {
+    if (!impl_->verifier) impl_->verifier = std::make_unique<Verifier>(impl_->model);
+    return impl_->verifier->run(impl_->engine->state().x);
+}
+
+std::uint64_t Simulator::state_hash() const { return hash_bytes(std::span<const std::byte>(save())); }
+std::vector<std::byte> Simulator::save() const { return encode_state(impl_->engine->state()); }
+
+Status Simulator::restore(std::span<const std::byte> bytes) {
+    Result<StepState> state =
+        decode_state(bytes, impl_->model.num_vertices, static_cast<int>(impl_->model.conditions.size()));
+    if (!state) return state.error();
+    impl_->engine->set_state(state.value());
+    return Done{};
+}
+
+Simulator::Balance Simulator::balance() {
+    const StepState state = impl_->engine->state();
+    const Vector3& g = impl_->scene.gravity;
+    Balance out;
+    Vec3d linear{0, 0, 0};
+    Vec3d angular{0, 0, 0};
+    for (std::size_t v = 0; v < state.x.size(); ++v) {
+        const double m = impl_->model.mass[v];
+        out.kinetic += 0.5 * m * norm_sq(state.v[v]);
+        out.gravitational -= m * dot(Vec3d{g[0], g[1], g[2]}, state.x[v]);
+        linear += m * state.v[v];
+        angular += m * cross(state.x[v], state.v[v]);
+    }
+    out.elastic = impl_->engine->elastic_energy();
+    out.contact = impl_->engine->barrier_energy() / (impl_->scene.dt * impl_->scene.dt);
+    out.linear = to_array(linear);
+    out.angular = to_array(angular);
+    return out;
+}
+
+}  // namespace noli

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Contact detection as the Newton loop uses it: candidates of a motion, the safe step along it,
+/// active pairs at a position.
+
+#include "contact/candidates.hpp"
+#include "contact/min_gap.hpp"
+#include "contact/pairs.hpp"
+#include "contact/step_bound.hpp"
+#include "model/model.hpp"
+#include "step/settings.hpp"
+
+namespace noli {
+
+/// The collision surface of a model; `kinematic` marks the vertices that are prescribed.
+inline CollisionMesh collision_mesh(const Model& model, const std::vector<std::uint8_t>& kinematic) {
+    CollisionMesh mesh;
+    mesh.num_vertices = model.num_vertices;
+    mesh.vertices = model.surface_vertices;
+    mesh.edges = model.edges;
+    mesh.edge_rest_sq = model.edge_rest_sq;
+    mesh.triangles = model.triangles;
+    mesh.body = model.body;
+    mesh.kinematic = kinematic;
+    mesh.num_bodies = model.num_bodies();
+    mesh.pair_enabled = model.pair_enabled;
+    for (const Model::Plane& plane : model.planes)
+        mesh.planes.push_back({plane.normal, plane.offset});
+    mesh.plane_enabled = model.plane_enabled;
+    return mesh;
+}
+
+template <class Exec>
+class Collision {
+  public:
+    /// Takes the surface for one step. Cheap when `kinematic` is as before.
+    void begin_step(Exec& exec, const Model& model, const std::vector<std::uint8_t>& kinematic, View<const Vec3d> x) {
+        if (kinematic_ != kinematic) {
+            mesh_.upload(exec, collision_mesh(model, kinematic));
+            kinematic_ = kinematic;
+        }
+        broad_phase_.sort(exec, mesh_, x);
+    }
+
+    /// Finds all pairs that get closer than dhat along x + t p, t in [0, alpha]; p may be empty.
+    void find_candidates_along(Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double dhat) {
+        find_candidates(exec, mesh_, broad_phase_, x, p, alpha, dhat, candidates_);
+    }
+
+    /// Largest safe step in [0, alpha] over the candidates of that motion.
+    StepBound bound(Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double min_separation) {
+        const AdvanceParams params{.slack = kCcdSlack, .min_separation = min_separation};
+        return step_bound(exec, mesh_, candidates_, x, p, alpha, params, bound_work_);
+    }
+
+    /// Active pairs at x, which must lie on the motion of the last candidates.
+    void find_pairs_at(Exec& exec, View<const Vec3d> x, double dhat, PairSet<Exec>& out) {
+        find_pairs(exec, mesh_, candidates_, x, dhat, pairs_work_, out);
+    }
+
+    /// Smallest distance among pairs at x, m; +infinity without pairs.
+    double gap_at(Exec& exec, const PairSet<Exec>& pairs, View<const Vec3d> x) {
+        return min_gap(exec, mesh_, pairs, x, gap_work_).gap;
+    }
+
+  private:
+    DeviceCollisionMesh<Exec> mesh_;
+    BroadPhase<Exec> broad_phase_;
+    Candidates<Exec> candidates_;
+    StepBoundWork<Exec> bound_work_;
+    FindPairsWork<Exec> pairs_work_;
+    MinGapWork<Exec> gap_work_;
+    std::vector<std::uint8_t> kinematic_;
+};
+
+}  // namespace noli

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The Newton loop of one time step. Source: MATH 8, with these differences:
+///   * the stopping test looks at the direction just found, not at the one before, and that
+///     direction is still applied;
+///   * prescribed vertices take part in the direction (see direction.hpp), so in iterations in
+///     which they still move the energy may rise; in all others it must not;
+///   * contact candidates are found once per iteration, for the whole swept motion, and serve the
+///     step bound and all line-search trials.
+
+#include "noli/simulator.hpp"
+
+#include "step/collision.hpp"
+#include "step/direction.hpp"
+#include "step/line_search.hpp"
+#include "step/stiffness.hpp"
+#include "step/timer.hpp"
+#include "step/trouble.hpp"
+
+namespace noli {
+
+template <class Exec>
+class Newton {
+  public:
+    template <class T>
+    using Buffer = typename Exec::template Buffer<T>;
+
+    Newton(Exec& exec, const Model& model, const BlockPattern& pattern, const StepSettings& settings)
+        : exec_(exec),
+          model_(model),
+          settings_(settings),
+          objective_(exec, model, pattern),
+          direction_(model.num_vertices) {
+        p_.resize(model.num_vertices);
+        x_trial_.resize(model.num_vertices);
+        law_ = {.barrier = {.dhat = settings.dhat,
+                            .kappa = settings.contact.kappa,
+                            .exponent = settings.contact.barrier_exponent,
+                            .curvature_cap = 0.0},
+                .hessian = hessian_of(settings.contact.hessian),
+                .mollified = hessian_of(settings.contact.mollifier)};
+        range_ = stiffness_range(settings);
+    }
+
+    /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged friction.
+    void begin_step(const StepScales& scales,
+                    const std::vector<std::uint8_t>& kinematic,
+                    View<const std::uint8_t> fixed,
+                    View<const Vec3d> x,
+                    View<const Vec3d> x_tilde,
+                    StepReport& report) {
+        fixed_ = fixed;
+        objective_.begin_step(exec_, scales, x, x_tilde, fixed);
+        law_.hessian = hessian_of(settings_.contact.hessian);
+        {
+            const PhaseTimer timer(report.t_pairs);
+            collision_.begin_step(exec_, model_, kinematic, x);
+            collision_.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
+            collision_.find_pairs_at(exec_, x, settings_.dhat, pairs_);
+        }
+        if (settings_.contact.kappa <= 0.0)
+            law_.barrier.kappa = balanced_stiffness(exec_, objective_, x, fixed_, pairs_, law_, range_,
+                                                    p_.view(), x_trial_.view());
+        lag_friction_at(x);
+        last_gap_ = HUGE_VAL;
+    }
+
+    void lag_friction_at(View<const Vec3d> x) {
+        if (settings_.has_friction) objective_.lag_friction_at(exec_, pairs_, x, law_);
+    }
+
+    /// Minimises the incremental potential from x, with prescribed vertices going to `target`.
+    /// Fills the report; leaves in x the last iterate, always free of intersections.
+    Outcome minimize(View<const Vec3d> target, double tolerance, View<Vec3d> x, StepReport& report) {
+        stall_ = {};
+        energy_known_ = false;
+        for (int k = 0; k < settings_.solver.max_newton; ++k) {
+            IterationRecord record;
+            record.iteration = report.newton;
+            const Progress progress = iterate(target, tolerance, x, record, report);
+            if (settings_.record_iterations) report.iterations.push_back(record);
+            if (progress.ended) return progress.outcome;
+        }
+        report.message = "no convergence in " + std::to_string(settings_.solver.max_newton)
+                         + " iterations (solver.max_newton); " + stall_.describe();
+        return Outcome::MaxIterations;
+    }
+
+    Objective<Exec>& objective() { return objective_; }
+    Collision<Exec>& collision() { return collision_; }
+    const PairSet<Exec>& pairs() const { return pairs_; }
+    const ContactLaw& law() const { return law_; }
+    void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
+    /// Smallest distance among the active pairs, m; +infinity without pairs.
+    double gap_at(View<const Vec3d> x) { return collision_.gap_at(exec_, pairs_, x); }
+
+  private:
+    struct Progress {
+        bool ended = false;
+        Outcome outcome = Outcome::Converged;
+    };
+
+    Progress iterate(View<const Vec3d> target,
+                     double tolerance,
+                     View<Vec3d> x,
+                     IterationRecord& record,
+                     StepReport& report) {
+        {
+            const PhaseTimer timer(report.t_assemble);
+            objective_.assemble(exec_, x, pairs_, law_);
+            if (!energy_known_) energy_ = objective_.energy(exec_, x, pairs_, law_);
+            energy_known_ = true;
+        }
+        record.energy = energy_;
+        record.energy_after = energy_;
+        record.kappa = law_.barrier.kappa;
+        record.boundary_moved = direction_.find_remaining(exec_, fixed_, target, x) > 0.0;
+        if (settings_.record_iterations)
+            record.gradient = detail::max_free_component(exec_, objective_.gradient(), fixed_);
+        const DirectionResult solved = solve_direction(record, report);
+        if (!solved.ok) {
+            report.message = solved.trouble;
+            return {true, Outcome::LinearSolverFailed};
+        }
+        record.direction = detail::max_component(exec_, View<const Vec3d>(p_.view()));
+        if (!(record.direction < HUGE_VAL) || !(energy_ < HUGE_VAL)) {
+            report.message = describe_not_finite(record.direction, energy_, report.newton);
+            return {true, Outcome::NumericalTrouble};
+        }
+        const bool converged = !record.boundary_moved && record.direction < tolerance * settings_.dt;
+        bound_step(x, record, report);
+        const bool moved = search(x, converged, record, report);
+        if (converged) return {true, Outcome::Converged};
+        if (!moved) {
+            report.message = describe_failed_search(record);
+            return {true, Outcome::Stalled};
+        }
+        return judge_progress(record, report);
+    }
+
+    DirectionResult solve_direction(IterationRecord& record, StepReport& report) {
+        const PhaseTimer timer(report.t_solve);
+        const DirectionResult solved = direction_.solve(exec_, objective_, fixed_, settings_.solver,
+                                                        settings_.solver.pcg_tolerance, p_);
+        ++report.newton;
+        report.pcg += solved.iterations;
+        record.pcg = solved.iterations;
+        return solved;
+    }
+
+    /// Largest step without inversion and without collision; candidates of that motion.
+    void bound_step(View<const Vec3d> x, IterationRecord& record, StepReport& report) {
+        const View<const Vec3d> p = p_.view();
+        {
+            const PhaseTimer timer(report.t_ccd);
+            const InversionBound inversion = objective_.inversion_bound_along(exec_, x, p, kKeepVolume);
+            record.step_bound = inversion.alpha;
+            if (inversion.tet >= 0) record.limiting = describe_tet(model_, inversion.tet);
+        }
+        {
+            const PhaseTimer timer(report.t_pairs);
+            collision_.find_candidates_along(exec_, x, p, record.step_bound, settings_.dhat);
+        }
+        const PhaseTimer timer(report.t_ccd);
+        const StepBound bound =
+            collision_.bound(exec_, x, p, record.step_bound, settings_.contact.min_separation);
+        if (bound.alpha < record.step_bound) {
+            record.step_bound = bound.alpha;
+            record.limiting = describe_bound(model_, bound);
+        }
+    }
+
+    /// Backtracks until the energy does not rise (or boundary motion makes that moot), then takes
+    /// the step. False if no step was found; x then stays.
+    bool search(View<Vec3d> x, bool converged, IterationRecord& record, StepReport& report) {
+        const PhaseTimer timer(report.t_search);
+        const double slope = detail::dot_sum(exec_, objective_.gradient(), View<const Vec3d>(p_.view()));
+        LineSearch search{.energy_before = energy_, .slope = slope, .may_rise = record.boundary_moved};
+        double alpha = record.step_bound;
+        for (; search.halvings < kMaxHalvings; ++search.halvings, alpha *= 0.5) {
+            detail::trial_point(exec_, View<const Vec3d>(x), View<const Vec3d>(p_.view()), alpha, x_trial_.view());
+            collision_.find_pairs_at(exec_, x_trial_.view(), settings_.dhat, pairs_);
+            const double energy = objective_.energy(exec_, x_trial_.view(), pairs_, law_);
+            if (!search.accepts(energy, alpha)) continue;
+            exec_.copy(View<const Vec3d>(x_trial_.view()), x);
+            energy_ = energy;
+            record.energy_after = energy;
+            record.step = alpha;
+            record.halvings = search.halvings;
+            record.noise_accepted = search.noise_accepted;
+            finish_iteration(x, record, report);
+            return true;
+        }
+        record.step = 0.0;
+        record.halvings = search.halvings;
+        collision_.find_pairs_at(exec_, View<const Vec3d>(x), settings_.dhat, pairs_);
+        if (converged) finish_iteration(x, record, report);
+        return false;
+    }
+
+    /// Contact figures of the accepted state, and a stiffer barrier where a tiny gap still shrinks.
+    void finish_iteration(View<const Vec3d> x, IterationRecord& record, StepReport& report) {
+        const double gap = gap_at(x);
+        record.contacts = pairs_.size();
+        record.min_gap = gap;
+        report.contacts = record.contacts;
+        report.min_gap = gap;
+        const double tiny = std::sqrt(kTinyGapSq) * settings_.diagonal;
+        const bool adaptive = settings_.contact.kappa <= 0.0;
+        if (adaptive && gap < tiny && gap < last_gap_ && law_.barrier.kappa < range_.high) {
+            law_.barrier.kappa = std::min(2.0 * law_.barrier.kappa, range_.high);
+            energy_known_ = false;
+        }
+        last_gap_ = gap;
+        report.kappa = law_.barrier.kappa;
+    }
+
+    /// Counts short steps; moves to a stronger contact Hessian, or gives up with the cause.
+    Progress judge_progress(const IterationRecord& record, StepReport& report) {
+        stall_.add(record);
+        if (stall_.short_steps == kShortStepsBeforeSwitch && law_.hessian != ContactHessian::Exact) {
+            law_.hessian = law_.hessian == ContactHessian::GaussNewton ? ContactHessian::GaussNewtonPlus
+                                                                       : ContactHessian::Exact;
+            stall_.short_steps = 0;
+            report.message = "contact Hessian strengthened after short steps at " + record.limiting;
+        }
+        if (stall_.short_steps < kShortStepsBeforeStall) return {};
+        report.message = stall_.describe();
+        return {true, record.boundary_moved ? Outcome::BoundaryBlocked : Outcome::Stalled};
+    }
+
+    Exec& exec_;
+    const Model& model_;
+    const StepSettings& settings_;
+    Objective<Exec> objective_;
+    Collision<Exec> collision_;
+    DirectionSolver<Exec> direction_;
+    PairSet<Exec> pairs_;
+    ContactLaw law_{};
+    StiffnessRange range_{};
+    StallDetector stall_;
+    View<const std::uint8_t> fixed_{};
+    Buffer<Vec3d> p_, x_trial_;
+    double energy_ = 0.0;
+    bool energy_known_ = false;
+    double last_gap_ = HUGE_VAL;
+};
+
+}  // namespace noli

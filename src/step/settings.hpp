@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// What the step room needs to know of a scene, in absolute units.
+
+#include "noli/scene.hpp"
+
+#include "objective/pair_terms.hpp"
+
+namespace noli {
+
+struct StepSettings {
+    double dt = 0.0;            ///< s
+    double dhat = 0.0;          ///< m
+    double epsv = 0.0;          ///< m/s
+    double diagonal = 0.0;      ///< m
+    double mean_mass = 0.0;     ///< kg
+    bool has_friction = false;  ///< some coefficient is positive
+    ContactSettings contact;
+    DampingSettings damping;
+    SolverSettings solver;
+    bool record_iterations = false;
+};
+
+inline ContactHessian hessian_of(ContactModel model) { return static_cast<ContactHessian>(model); }
+inline MollifiedHessian hessian_of(MollifierModel model) { return static_cast<MollifiedHessian>(model); }
+
+/// Constants of the numerics that are not the user's business; each says what it is for.
+inline constexpr double kCcdSlack = 0.8;           ///< share of a distance that one step may use up
+inline constexpr double kKeepVolume = 0.2;         ///< share of a tet's volume that one step must keep
+inline constexpr int kShortStepsBeforeSwitch = 5;  ///< then a stronger contact Hessian is tried
+inline constexpr int kShortStepsBeforeStall = 60;  ///< then the step ends as stalled
+inline constexpr double kTinyGapSq = 1e-18;        ///< d^2 over diagonal^2 below which kappa doubles
+
+}  // namespace noli

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// One time step after another: predict, lag, minimise, commit. Owns the state.
+
+#include "model/boundary.hpp"
+#include "step/integrator.hpp"
+#include "step/newton.hpp"
+
+#include <vector>
+
+namespace noli {
+
+inline constexpr int kMaxFrictionUpdates = 100;  ///< where friction_iterations = until convergence
+
+/// All that a simulation carries from step to step, on the host.
+struct StepState {
+    int steps = 0;
+    double kappa = 0.0;
+    std::vector<Vec3d> x, v, a, x_prev, v_prev;
+    std::vector<std::uint8_t> ended;  ///< per boundary condition
+};
+
+template <class Exec>
+class Stepper {
+  public:
+    Stepper(Exec& exec, const Model& model, const BlockPattern& pattern, const StepSettings& settings, const Vector3& gravity)
+        : exec_(exec),
+          model_(model),
+          settings_(settings),
+          script_(model, gravity),
+          newton_(exec, model, pattern, settings_) {
+        const std::size_t n = static_cast<std::size_t>(model.num_vertices);
+        StepState start;
+        start.x = model.x0;
+        start.v = model.v0;
+        start.a.assign(n, {0.0, 0.0, 0.0});
+        start.x_prev = model.x0;
+        start.v_prev = model.v0;
+        start.ended = script_.ended;
+        x_new_.resize(model.num_vertices);
+        x_tilde_.resize(model.num_vertices);
+        set_state(start);
+    }
+
+    /// One step. On failure the state keeps the last iterate and the step does not count.
+    StepReport step() {
+        StepReport report;
+        report.step = steps_ + 1;
+        report.time = (steps_ + 1) * settings_.dt;
+        begin(report);
+        report.outcome = solve(report);
+        if (report.outcome == Outcome::Converged) {
+            detail::advance(exec_, choice(), fixed_.view(), x_new_.view(), motion_.x.view(),
+                            motion_.v.view(), motion_.a.view(), motion_.x_prev.view(),
+                            motion_.v_prev.view());
+            ++steps_;
+        } else {
+            exec_.copy(View<const Vec3d>(x_new_.view()), motion_.x.view());
+        }
+        exec_.download(View<const Vec3d>(motion_.x.view()), x_host_);
+        return report;
+    }
+
+    [[nodiscard]] StepState state() {
+        StepState out;
+        out.steps = steps_;
+        out.kappa = newton_.law().barrier.kappa;
+        exec_.download(View<const Vec3d>(motion_.x.view()), out.x);
+        exec_.download(View<const Vec3d>(motion_.v.view()), out.v);
+        exec_.download(View<const Vec3d>(motion_.a.view()), out.a);
+        exec_.download(View<const Vec3d>(motion_.x_prev.view()), out.x_prev);
+        exec_.download(View<const Vec3d>(motion_.v_prev.view()), out.v_prev);
+        out.ended = script_.ended;
+        return out;
+    }
+
+    void set_state(const StepState& state) {
+        steps_ = state.steps;
+        newton_.set_kappa(settings_.contact.kappa > 0.0 ? settings_.contact.kappa : state.kappa);
+        exec_.upload(state.x, motion_.x);
+        exec_.upload(state.v, motion_.v);
+        exec_.upload(state.a, motion_.a);
+        exec_.upload(state.x_prev, motion_.x_prev);
+        exec_.upload(state.v_prev, motion_.v_prev);
+        script_.ended = state.ended;
+        x_host_ = state.x;
+    }
+
+    Newton<Exec>& newton() { return newton_; }
+    [[nodiscard]] const std::vector<Vec3d>& positions() const { return x_host_; }
+    [[nodiscard]] View<const Vec3d> x() const { return motion_.x.view(); }
+    [[nodiscard]] int steps() const { return steps_; }
+    [[nodiscard]] const StepBoundary& boundary() const { return boundary_; }
+
+  private:
+    /// BDF2 needs two old states: its first step is an Euler step.
+    [[nodiscard]] IntegratorChoice choice() const {
+        Integrator kind = settings_.solver.integrator;
+        if (kind == Integrator::Bdf2 && steps_ == 0) kind = Integrator::ImplicitEuler;
+        return {kind, settings_.dt, settings_.solver.newmark_beta, settings_.solver.newmark_gamma};
+    }
+
+    void begin(StepReport& report) {
+        script_.evaluate(steps_ * settings_.dt, settings_.dt, steps_, x_host_, boundary_);
+        exec_.upload(boundary_.prescribed, fixed_);
+        exec_.upload(boundary_.target, target_);
+        exec_.upload(boundary_.acceleration, a_ext_);
+        if (settings_.solver.integrator == Integrator::Newmark && steps_ == 0) start_acceleration();
+
+        const IntegratorChoice how = choice();
+        detail::predict(exec_, how, motion_.x.view(), motion_.v.view(), motion_.a.view(),
+                        motion_.x_prev.view(), motion_.v_prev.view(), a_ext_.view(), x_tilde_.view());
+        const StepScales scales{.h_sq = how.h_sq(),
+                                .mass_damping = how.h_sq() * settings_.damping.mass / settings_.dt,
+                                .stiffness_damping = settings_.damping.stiffness / settings_.dt,
+                                .friction_eps = settings_.epsv * settings_.dt};
+        exec_.copy(View<const Vec3d>(motion_.x.view()), x_new_.view());
+        newton_.begin_step(scales, boundary_.prescribed, fixed_.view(), motion_.x.view(),
+                           x_tilde_.view(), report);
+    }
+
+    /// Minimises with lagged friction, as often as asked for or until nothing changes any more.
+    Outcome solve(StepReport& report) {
+        const double tolerance = model_.tolerance(settings_.solver, steps_);
+        const int asked = settings_.contact.friction_iterations;
+        const int limit = settings_.has_friction ? (asked > 0 ? asked : kMaxFrictionUpdates) : 1;
+        for (int lag = 0;; ++lag) {
+            const int before = report.newton;
+            const Outcome outcome = newton_.minimize(target_.view(), tolerance, x_new_.view(), report);
+            report.friction_updates = settings_.has_friction ? lag + 1 : 0;
+            if (outcome != Outcome::Converged) return outcome;
+            const bool settled = asked == 0 && lag > 0 && report.newton - before == 1;
+            if (settled || lag + 1 >= limit) return outcome;
+            newton_.lag_friction_at(x_new_.view());
+        }
+    }
+
+    /// Newmark's first acceleration: a = a_ext - M^-1 grad Psi(x), contact left out.
+    void start_acceleration() {
+        newton_.objective().elastic_gradient_at(exec_, motion_.x.view(), x_tilde_.view());
+        detail::acceleration_from_forces(exec_, newton_.objective().device().mass.view(), fixed_.view(),
+                                         x_tilde_.view(), a_ext_.view(), motion_.a.view());
+    }
+
+    Exec& exec_;
+    const Model& model_;
+    StepSettings settings_;
+    BoundaryScript script_;
+    StepBoundary boundary_;
+    Newton<Exec> newton_;
+    MotionState<Exec> motion_;
+    typename Exec::template Buffer<std::uint8_t> fixed_;
+    typename Exec::template Buffer<Vec3d> target_, a_ext_, x_new_, x_tilde_;
+    std::vector<Vec3d> x_host_;
+    int steps_ = 0;
+};
+
+}  // namespace noli

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Adaptive barrier stiffness kappa. Source: MATH 8.2, 8.8.
+
+#include "energy/barrier.hpp"
+#include "objective/objective.hpp"
+#include "step/settings.hpp"
+
+#include <algorithm>
+
+namespace noli {
+
+/// Lower and upper bound of kappa, J/m^4.
+struct StiffnessRange {
+    double low, high;
+};
+
+/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2 with the curvature of the exponent in use,
+/// kappa_max = 100 kappa_min; m mean nodal mass, l scene diagonal. Source: MATH 8.2.
+inline StiffnessRange stiffness_range(const StepSettings& settings) {
+    const double l_sq = settings.diagonal * settings.diagonal;
+    const double d0_sq = 1e-16 * l_sq;
+    const double mass = settings.mean_mass > 0.0 ? settings.mean_mass : 1.0;
+    const double dhat_sq = settings.dhat * settings.dhat;
+    const double curvature = barrier(settings.contact.barrier_exponent, d0_sq, dhat_sq).d2;
+    const double low = settings.contact.kappa_min_multiplier * mass / (4.0 * d0_sq * curvature);
+    return {low, 100.0 * low};
+}
+
+/// The stiffness that balances the barrier's gradient against all others at x, or `kappa` if the
+/// balance asks for none; clamped. Source: MATH 8.2.
+template <class Exec>
+double balanced_stiffness(Exec& exec,
+                          Objective<Exec>& objective,
+                          View<const Vec3d> x,
+                          View<const std::uint8_t> fixed,
+                          const PairSet<Exec>& pairs,
+                          const ContactLaw& law,
+                          StiffnessRange range,
+                          View<Vec3d> scratch_other,
+                          View<Vec3d> scratch_barrier) {
+    double kappa = law.barrier.kappa > 0.0 ? law.barrier.kappa : range.low;
+    if (pairs.size() > 0) {
+        objective.split_gradients(exec, x, pairs, law, scratch_other, scratch_barrier);
+        const View<const Vec3d> other = scratch_other;
+        const View<const Vec3d> barrier = scratch_barrier;
+        const double along = exec.sum("step/balance_dot", x.size, [=] NOLI_HD(int i) {
+            return fixed[i] ? 0.0 : dot(other[i], barrier[i]);
+        });
+        const double square = exec.sum("step/balance_square", x.size, [=] NOLI_HD(int i) {
+            return fixed[i] ? 0.0 : norm_sq(barrier[i]);
+        });
+        const double balance = square > 0.0 ? -along / square : 0.0;
+        if (balance > 0.0) kappa = balance;
+    }
+    return std::clamp(kappa, range.low, range.high);
+}
+
+}  // namespace noli
