@@ -34,7 +34,8 @@ function(noli_link_rooms target)
     target_link_libraries(${target} PRIVATE ${NOLI_ROOM_LIBS_${room}})
   endforeach()
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(${target} PRIVATE noli_flags TBB::tbb)
+  # Flags and header-only libraries are no business of who uses an installed noli.
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:noli_flags> TBB::tbb)
 endfunction()
 
 # XXH3 is a header; only its include folder is needed.
@@ -47,7 +48,7 @@ noli_room(exec DEPS core)
 noli_room(geometry DEPS core)
 noli_room(energy DEPS core geometry)
 noli_room(mesh DEPS core LIBS fmt::fmt)
-noli_room(scene DEPS core mesh LIBS fmt::fmt nlohmann_json::nlohmann_json)
+noli_room(scene DEPS core mesh LIBS fmt::fmt $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # g++ 12 warns of impossible overlaps inside std::string.
   target_compile_options(noli_scene PRIVATE -Wno-restrict)
@@ -61,17 +62,22 @@ if(NOLI_CHOLMOD)
   find_library(CHOLMOD_LIBRARY cholmod)
   if(CHOLMOD_INCLUDE_DIR AND CHOLMOD_LIBRARY)
     add_library(noli_cholmod INTERFACE)
-    target_include_directories(noli_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
-    target_link_libraries(noli_cholmod INTERFACE ${CHOLMOD_LIBRARY})
-    target_compile_definitions(noli_cholmod INTERFACE NOLI_HAVE_CHOLMOD)
+    target_include_directories(noli_cholmod SYSTEM INTERFACE $<BUILD_INTERFACE:${CHOLMOD_INCLUDE_DIR}>)
+    target_link_libraries(noli_cholmod INTERFACE $<BUILD_INTERFACE:${CHOLMOD_LIBRARY}> $<INSTALL_INTERFACE:cholmod>)
+    target_compile_definitions(noli_cholmod INTERFACE $<BUILD_INTERFACE:NOLI_HAVE_CHOLMOD>)
     set(noli_linear_libs noli_cholmod)
   endif()
 endif()
 noli_room(linear DEPS core exec LIBS ${noli_linear_libs})
 noli_room(objective DEPS core exec geometry energy model contact linear)
 noli_room(step DEPS core exec model contact objective linear LIBS fmt::fmt)
-noli_room(output DEPS core LIBS fmt::fmt nlohmann_json::nlohmann_json ZLIB::ZLIB noli_xxhash)
+noli_room(output DEPS core LIBS fmt::fmt ZLIB::ZLIB
+  $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> $<BUILD_INTERFACE:noli_xxhash>)
 noli_room(sim DEPS core exec scene mesh model contact objective linear step output LIBS fmt::fmt)
+
+if(NOLI_CUDA)
+  include(${CMAKE_CURRENT_LIST_DIR}/cuda.cmake)
+endif()
 
 # The library: all rooms in one static archive behind three public headers.
 add_library(noli STATIC)
@@ -80,13 +86,3 @@ noli_link_rooms(noli sim)
 target_include_directories(noli PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
 target_compile_features(noli PUBLIC cxx_std_20)
-
-if(NOLI_CUDA)
-  enable_language(CUDA)
-  target_sources(noli PRIVATE ${PROJECT_SOURCE_DIR}/src/sim/engine_cuda.cu)
-  target_compile_definitions(noli_flags INTERFACE NOLI_HAVE_CUDA)
-  # CMake 3.25 does not know the CUDA20 dialect of nvcc 13, so the flag is spelled out. Host code
-  # gets the same floating-point flags as the .cpp files: both may hold a copy of an inline function.
-  target_compile_options(noli PRIVATE
-    $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--extended-lambda;--expt-relaxed-constexpr;-fmad=false;-Xcompiler=-ffp-contract=off,-fno-math-errno,-fno-trapping-math>)
-endif()

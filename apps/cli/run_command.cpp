@@ -94,11 +94,12 @@ void apply_overrides(const RunArguments& a, Scene& scene) {
 }
 
 void print_start(const Resolved& r, const std::string& directory, int first, int last) {
-    if (!r.device_note.empty()) print_note("device: " + r.device_note);
+    const std::string why = r.device_note.empty() ? "" : " (auto: " + r.device_note + ")";
     print(fmt::format(
-        "{}\n{} bodies, {} vertices, {} tetrahedra, about {:.0f} MB\n"
+        "{}{}\n{} bodies, {} vertices, {} tetrahedra, about {:.0f} MB\n"
         "dhat {:.4g} m, epsv {:.4g} m/s, tolerance {:.4g} m/s, diagonal {:.4g} m\n",
         r.device,
+        why,
         r.num_bodies,
         r.num_vertices,
         r.num_tets,

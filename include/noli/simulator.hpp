@@ -71,6 +71,7 @@ struct StepReport {
     int contacts = 0;      ///< active pairs at the end
     double min_gap = 0.0;  ///< m; +infinity if nothing is near
     double kappa = 0.0;    ///< J/m^4
+    double boundary_yield = 0.0;  ///< m that blocked prescribed vertices stayed short of their targets
     int intersections = -1;  ///< exact test; -1 = not tested
     int inversions = -1;
     double wall_s = 0.0;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Four boxes, or the vertex ids of four primitives, side by side, and tests of one against four.
+/// Four boxes, or the vertex ids of four primitives, side by side, and tests of one
+/// against four.
 ///
-/// Every test has two texts with equal results: plain loops for the device, GCC vector extensions for
-/// the host (any x86-64 and ARM has four lanes). `kOnDevice` is a template argument, not a macro, so
-/// that nvcc's host copy of a function never replaces g++'s at link time.
+/// Every test has two texts with equal results: plain loops for the device, GCC vector
+/// extensions for the host (any x86-64 and ARM has four lanes). `kOnDevice` is a template
+/// argument, not a macro, so that nvcc's host copy of a function never replaces g++'s at
+/// link time.
 
 #include "contact/moving_box.hpp"
 #include "core/vec.hpp"
@@ -120,9 +122,9 @@ inline unsigned packed_overlap(const MovingBox& box, const MovingBlock& block) {
     Ints hit = ~Ints{};
     for (int k = 0; k < 3; ++k) {
         hit &= (load_packed<Floats>(block.start.lo[k]) <= box.start.hi[k])
-               | (load_packed<Floats>(block.end.lo[k]) <= box.end.hi[k]);
+             | (load_packed<Floats>(block.end.lo[k]) <= box.end.hi[k]);
         hit &= (load_packed<Floats>(block.start.hi[k]) >= box.start.lo[k])
-               | (load_packed<Floats>(block.end.hi[k]) >= box.end.lo[k]);
+             | (load_packed<Floats>(block.end.hi[k]) >= box.end.lo[k]);
     }
     return bits_of(hit);
 }

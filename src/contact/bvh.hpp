@@ -2,18 +2,20 @@
 #pragma once
 /// Linear bounding volume hierarchy over points, edges or triangles.
 ///
-/// Primitives are sorted along a Morton curve and cut into leaves of four. Over the leaves stands an
-/// implicit complete tree of width four: block j of level k + 1 holds the boxes of blocks 4 j .. 4 j + 3
-/// of level k, and level 0 holds the boxes of the primitives.
+/// Primitives are sorted along a Morton curve and cut into leaves of four. Over the
+/// leaves stands an implicit complete tree of width four: block j of level k + 1 holds
+/// the boxes of blocks 4 j .. 4 j + 3 of level k, and level 0 holds the boxes of the
+/// primitives.
 ///
 ///     level 2          [ . . . . ]                 one block is the root
 ///     level 1     [. . . .] [. . . .] ...          a place is a leaf
-///     level 0   [....] [....] [....] ...           a block is a leaf, a place is a primitive
+///     level 0   [....] [....] [....] ...           a block is a leaf, a place is a
+///     primitive
 ///
-/// Nothing has to be linked, boxes are merged level by level without atomics, and moving primitives
-/// need new boxes only: an old order gives larger boxes, never a wrong result. The boxes of a block lie
-/// coordinate by coordinate, so that the CPU tests four at once; measured against a binary tree, the
-/// search takes half of the time.
+/// Nothing has to be linked, boxes are merged level by level without atomics, and moving
+/// primitives need new boxes only: an old order gives larger boxes, never a wrong result.
+/// The boxes of a block lie coordinate by coordinate, so that the CPU tests four at once;
+/// measured against a binary tree, the search takes half of the time.
 
 #include "contact/box_block.hpp"
 #include "contact/moving_box.hpp"
@@ -28,8 +30,8 @@ inline constexpr int kMaxLevels = 16;
 
 /// Where the levels of a tree lie in its array of blocks.
 struct BvhLevels {
-    int count;                    ///< 0 for an empty tree; the last level is one block
-    int offset[kMaxLevels + 1];   ///< level k is blocks offset[k] .. offset[k + 1] - 1
+    int count;                   ///< 0 for an empty tree; the last level is one block
+    int offset[kMaxLevels + 1];  ///< level k is blocks offset[k] .. offset[k + 1] - 1
 
     [[nodiscard]] NOLI_HD int num_leaves() const { return count > 0 ? offset[1] : 0; }
 };
@@ -61,7 +63,9 @@ struct BvhView {
 
 /// Calls visit(leaf) for every leaf >= first_leaf whose box overlaps `query`.
 template <bool kOnDevice, class Box, class Ids, class Visit>
-NOLI_HD inline void visit_leaves(const BvhView<Box, Ids>& tree, const Box& query, int first_leaf,
+NOLI_HD inline void visit_leaves(const BvhView<Box, Ids>& tree,
+                                 const Box& query,
+                                 int first_leaf,
                                  Visit& visit) {
     if (tree.levels.count == 0) return;
     if (tree.levels.count == 1) return visit(0);
@@ -107,7 +111,7 @@ NOLI_HD inline std::uint64_t morton_cell(double c) {
 /// 63-bit Morton code of a point with coordinates in [0, kMortonCells).
 NOLI_HD inline std::uint64_t morton_code(const Vec3d& cell) {
     return spread_bits(morton_cell(cell.x)) | (spread_bits(morton_cell(cell.y)) << 1)
-           | (spread_bits(morton_cell(cell.z)) << 2);
+         | (spread_bits(morton_cell(cell.z)) << 2);
 }
 
 /// Cube that all centres lie in, cut into kMortonCells^3 cells.
@@ -137,9 +141,11 @@ MortonGrid grid_around(Exec& exec, View<const int> vertices, View<const Vec3d> x
     Vec3d lo{};
     double extent = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        lo[axis] = exec.min("contact/grid_low", vertices.size,
-                            [=] NOLI_HD(int i) { return x[vertices[i]][axis]; });
-        const double hi = -exec.min("contact/grid_high", vertices.size,
+        lo[axis] = exec.min("contact/grid_low", vertices.size, [=] NOLI_HD(int i) {
+            return x[vertices[i]][axis];
+        });
+        const double hi = -exec.min("contact/grid_high",
+                                    vertices.size,
                                     [=] NOLI_HD(int i) { return -x[vertices[i]][axis]; });
         extent = std::fmax(extent, hi - lo[axis]);
     }
@@ -148,8 +154,12 @@ MortonGrid grid_around(Exec& exec, View<const int> vertices, View<const Vec3d> x
 
 /// codes[i] = Morton code of the centre of primitive i, order[i] = i.
 template <class Exec, class Ids>
-void morton_codes(Exec& exec, View<const Ids> ids, MortonGrid grid, View<const Vec3d> x,
-                  View<std::uint64_t> codes, View<int> order) {
+void morton_codes(Exec& exec,
+                  View<const Ids> ids,
+                  MortonGrid grid,
+                  View<const Vec3d> x,
+                  View<std::uint64_t> codes,
+                  View<int> order) {
     exec.for_each("contact/morton_codes", ids.size, [=] NOLI_HD(int i) {
         codes[i] = grid.code(centre_of(x, ids[i]));
         order[i] = i;
@@ -158,7 +168,10 @@ void morton_codes(Exec& exec, View<const Ids> ids, MortonGrid grid, View<const V
 
 /// Vertex ids of the primitives in sorted order, -1 in places without a primitive.
 template <class Exec, class Ids>
-void gather_ids(Exec& exec, View<const Ids> ids, View<const int> order, View<IdBlock<Ids>> blocks) {
+void gather_ids(Exec& exec,
+                View<const Ids> ids,
+                View<const int> order,
+                View<IdBlock<Ids>> blocks) {
     exec.for_each("contact/gather_ids", blocks.size, [=] NOLI_HD(int j) {
         for (int place = 0; place < kBlockSize; ++place) {
             const int i = j * kBlockSize + place;
@@ -170,7 +183,10 @@ void gather_ids(Exec& exec, View<const Ids> ids, View<const int> order, View<IdB
 
 /// Level 0: boxes of the primitives, each grown by gap.
 template <class Exec, class Ids, class Box>
-void primitive_boxes(Exec& exec, View<const IdBlock<Ids>> ids, Motion motion, double gap,
+void primitive_boxes(Exec& exec,
+                     View<const IdBlock<Ids>> ids,
+                     Motion motion,
+                     double gap,
                      View<BoxBlock<Box>> blocks) {
     exec.for_each("contact/primitive_boxes", ids.size, [=] NOLI_HD(int j) {
         for (int place = 0; place < kBlockSize; ++place) {
@@ -200,13 +216,16 @@ void merge_level(Exec& exec, View<const BoxBlock<Box>> below, View<BoxBlock<Box>
 
 }  // namespace detail
 
-/// Sorted order of primitives; boxes are kept apart (BvhBoxes), so that static and moving queries
-/// share it.
+/// Sorted order of primitives; boxes are kept apart (BvhBoxes), so that static and moving
+/// queries share it.
 template <class Exec, class Ids>
 class BvhOrder {
   public:
     /// Sorts anew by the primitives' present places.
-    void sort(Exec& exec, View<const Ids> ids, const MortonGrid& grid, View<const Vec3d> x) {
+    void sort(Exec& exec,
+              View<const Ids> ids,
+              const MortonGrid& grid,
+              View<const Vec3d> x) {
         codes_.resize(ids.size);
         order_.resize(ids.size);
         ids_.resize((ids.size + kBlockSize - 1) / kBlockSize);
@@ -227,8 +246,12 @@ class BvhOrder {
 template <class Exec, class Box, class Ids>
 class BvhBoxes {
   public:
-    /// Computes all boxes for a motion, those of the primitives grown by `gap` (m) on all sides.
-    void refit(Exec& exec, const BvhOrder<Exec, Ids>& order, const Motion& motion, double gap) {
+    /// Computes all boxes for a motion, those of the primitives grown by `gap` (m) on all
+    /// sides.
+    void refit(Exec& exec,
+               const BvhOrder<Exec, Ids>& order,
+               const Motion& motion,
+               double gap) {
         levels_ = bvh_levels(order.order().size);
         blocks_.resize(levels_.offset[levels_.count]);
         detail::primitive_boxes<Exec, Ids, Box>(exec, order.ids(), motion, gap, level(0));

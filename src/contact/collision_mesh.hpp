@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What the contact room knows of a scene: the surface's vertices, edges and triangles, who may
-/// touch whom, and the half-spaces. Positions are never stored here.
+/// What the contact room knows of a scene: the surface's vertices, edges and triangles,
+/// who may touch whom, and the half-spaces. Positions are never stored here.
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
@@ -19,16 +19,17 @@ struct CollisionMesh {
         double offset;  ///< m
     };
 
-    int num_vertices = 0;              ///< of all vertices, inner ones too
-    std::vector<int> vertices;         ///< surface vertices and obstacle points, ascending
-    std::vector<Int2> edges;           ///< vertex ids
+    int num_vertices = 0;       ///< of all vertices, inner ones too
+    std::vector<int> vertices;  ///< surface vertices and obstacle points, ascending
+    std::vector<Int2> edges;    ///< vertex ids
     std::vector<double> edge_rest_sq;  ///< squared rest length of each edge, m^2
     std::vector<Int3> triangles;       ///< vertex ids
     std::vector<int> body;             ///< (num_vertices) body of each vertex
     /// (num_vertices) 1 = moved by script only; pairs of such vertices alone are ignored.
     std::vector<std::uint8_t> kinematic;
     int num_bodies = 0;
-    std::vector<std::uint8_t> pair_enabled;   ///< (num_bodies, num_bodies) symmetric; 1 = collide
+    std::vector<std::uint8_t>
+        pair_enabled;  ///< (num_bodies, num_bodies) symmetric; 1 = collide
     std::vector<Plane> planes;
     std::vector<std::uint8_t> plane_enabled;  ///< (planes, num_bodies); 1 = collide
 };
@@ -60,13 +61,15 @@ struct CollisionMeshView {
     /// May this vertex and this triangle ever form a pair?
     [[nodiscard]] NOLI_HD bool may_collide(int vertex, const Int3& t) const {
         if (vertex == t[0] || vertex == t[1] || vertex == t[2]) return false;
-        if (kinematic[vertex] && kinematic[t[0]] && kinematic[t[1]] && kinematic[t[2]]) return false;
+        if (kinematic[vertex] && kinematic[t[0]] && kinematic[t[1]] && kinematic[t[2]])
+            return false;
         return bodies_collide(vertex, t[0]);
     }
     /// May these two edges ever form a pair?
     [[nodiscard]] NOLI_HD bool may_collide(const Int2& a, const Int2& b) const {
         if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) return false;
-        if (kinematic[a[0]] && kinematic[a[1]] && kinematic[b[0]] && kinematic[b[1]]) return false;
+        if (kinematic[a[0]] && kinematic[a[1]] && kinematic[b[0]] && kinematic[b[1]])
+            return false;
         return bodies_collide(a[0], b[0]);
     }
 };
@@ -91,9 +94,16 @@ class DeviceCollisionMesh {
 
     [[nodiscard]] int num_vertices() const { return num_vertices_; }
     [[nodiscard]] CollisionMeshView view() const {
-        return {vertices_.view(),     edges_.view(),     edge_rest_sq_.view(), triangles_.view(),
-                body_.view(),         kinematic_.view(), num_bodies_,          pair_enabled_.view(),
-                planes_.view(),       plane_enabled_.view()};
+        return {vertices_.view(),
+                edges_.view(),
+                edge_rest_sq_.view(),
+                triangles_.view(),
+                body_.view(),
+                kinematic_.view(),
+                num_bodies_,
+                pair_enabled_.view(),
+                planes_.view(),
+                plane_enabled_.view()};
     }
 
   private:

@@ -4,15 +4,23 @@
 
 #include "contact/pairs.hpp"
 
-#include <limits>
+#include <cmath>
 
 namespace noli {
 
 /// For reports: which pair is closest.
 struct MinGap {
-    enum class Kind { None, PointPoint, PointEdge, PointTriangle, EdgeEdge, Mollified, Plane };
+    enum class Kind {
+        None,
+        PointPoint,
+        PointEdge,
+        PointTriangle,
+        EdgeEdge,
+        Mollified,
+        Plane
+    };
 
-    double gap;     ///< m; +infinity without pairs, not positive behind a half-space
+    double gap;  ///< m; +infinity without pairs, not positive behind a half-space
     Kind kind;
     Int4 vertices;  ///< of the pair; Plane: vertex, plane index; unused places -1
 };
@@ -44,7 +52,8 @@ struct PairSetReader {
         using Kind = MinGap::Kind;
         if (i < pp.size) return {0.0, Kind::PointPoint, {{pp[i][0], pp[i][1], -1, -1}}};
         i -= pp.size;
-        if (i < pe.size) return {0.0, Kind::PointEdge, {{pe[i][0], pe[i][1], pe[i][2], -1}}};
+        if (i < pe.size)
+            return {0.0, Kind::PointEdge, {{pe[i][0], pe[i][1], pe[i][2], -1}}};
         i -= pe.size;
         if (i < pt.size) return {0.0, Kind::PointTriangle, pt[i]};
         i -= pt.size;
@@ -57,21 +66,29 @@ struct PairSetReader {
 };
 
 template <class Exec>
-PairSetReader reader_of(const DeviceCollisionMesh<Exec>& mesh, const PairSet<Exec>& pairs) {
-    return {pairs.pp.view(), pairs.pe.view(),        pairs.pt.view(),
-            pairs.ee.view(), pairs.mollified.view(), pairs.planes.view(),
+PairSetReader reader_of(const DeviceCollisionMesh<Exec>& mesh,
+                        const PairSet<Exec>& pairs) {
+    return {pairs.pp.view(),
+            pairs.pe.view(),
+            pairs.pt.view(),
+            pairs.ee.view(),
+            pairs.mollified.view(),
+            pairs.planes.view(),
             mesh.view().planes};
 }
 
-/// Distance of the primitives that a pair stands for, m. Classified anew: the closest features of an
-/// edge pair are the distance of its edges.
-NOLI_HD inline double pair_distance(const PairSetReader& pairs, const MinGap& pair, View<const Vec3d> x) {
+/// Distance of the primitives that a pair stands for, m. Classified anew: the closest
+/// features of an edge pair are the distance of its edges.
+NOLI_HD inline double pair_distance(const PairSetReader& pairs,
+                                    const MinGap& pair,
+                                    View<const Vec3d> x) {
     const Int4& v = pair.vertices;
     switch (pair.kind) {
         case MinGap::Kind::PointPoint:
             return std::sqrt(point_point_distance_sq({{x[v[0]], x[v[1]]}}));
         case MinGap::Kind::PointEdge:
-            return std::sqrt(classify_point_triangle({{x[v[0]], x[v[1]], x[v[2]], x[v[2]]}}).d_sq);
+            return std::sqrt(
+                classify_point_triangle({{x[v[0]], x[v[1]], x[v[2]], x[v[2]]}}).d_sq);
         case MinGap::Kind::PointTriangle:
             return std::sqrt(classify_point_triangle(stencil_at(x, v)).d_sq);
         case MinGap::Kind::EdgeEdge:
@@ -86,38 +103,48 @@ NOLI_HD inline double pair_distance(const PairSetReader& pairs, const MinGap& pa
 }
 
 template <class Exec>
-void pair_distances(Exec& exec, PairSetReader pairs, View<const Vec3d> x, View<double> distances) {
+void pair_distances(Exec& exec,
+                    PairSetReader pairs,
+                    View<const Vec3d> x,
+                    View<double> distances) {
     exec.for_each(
-        "contact/pair_distances", distances.size,
-        [=] NOLI_HD(int i) { distances[i] = pair_distance(pairs, pairs.name(i), x); }, 32);
+        "contact/pair_distances",
+        distances.size,
+        [=] NOLI_HD(int i) { distances[i] = pair_distance(pairs, pairs.name(i), x); },
+        32);
 }
 
 template <class Exec>
 double first_place_of(Exec& exec, double value, View<const double> values) {
-    return exec.min("contact/first_place_of", values.size,
-                    [=] NOLI_HD(int i) { return values[i] == value ? double(i) : INFINITY; });
+    return exec.min("contact/first_place_of", values.size, [=] NOLI_HD(int i) {
+        return values[i] == value ? double(i) : INFINITY;
+    });
 }
 
 /// out[0] = name of pair i
 template <class Exec>
 void name_pair(Exec& exec, PairSetReader pairs, int i, View<MinGap> out) {
-    exec.for_each("contact/name_pair", 1, [=] NOLI_HD(int /*only*/) { out[0] = pairs.name(i); });
+    exec.for_each(
+        "contact/name_pair", 1, [=] NOLI_HD(int /*only*/) { out[0] = pairs.name(i); });
 }
 
 }  // namespace detail
 
-/// Smallest distance of the pairs at positions x and the first pair that has it. A NaN distance gives
-/// gap NaN and kind None.
+/// Smallest distance of the pairs at positions x and the first pair that has it. A NaN
+/// distance gives gap NaN and kind None.
 template <class Exec>
-MinGap min_gap(Exec& exec, const DeviceCollisionMesh<Exec>& mesh, const PairSet<Exec>& pairs,
-               View<const Vec3d> x, MinGapWork<Exec>& work) {
+MinGap min_gap(Exec& exec,
+               const DeviceCollisionMesh<Exec>& mesh,
+               const PairSet<Exec>& pairs,
+               View<const Vec3d> x,
+               MinGapWork<Exec>& work) {
     const detail::PairSetReader reader = detail::reader_of(mesh, pairs);
     work.distances.resize(reader.size());
     work.closest.resize(1);
     const View<const double> distances = work.distances.view();
     detail::pair_distances(exec, reader, x, work.distances.view());
-    const double gap =
-        exec.min("contact/min_gap", distances.size, [=] NOLI_HD(int i) { return distances[i]; });
+    const double gap = exec.min(
+        "contact/min_gap", distances.size, [=] NOLI_HD(int i) { return distances[i]; });
     const double first = detail::first_place_of(exec, gap, distances);
     if (!(first < INFINITY)) return {gap, MinGap::Kind::None, {{-1, -1, -1, -1}}};
     detail::name_pair(exec, reader, static_cast<int>(first), work.closest.view());

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Search of one tree with the primitives of another, or with its own, and collection of what it finds.
+/// Search of one tree with the primitives of another, or with its own, and collection of
+/// what it finds.
 ///
-/// The four primitives of a leaf search together as a group. In a search of a tree with itself a group
-/// visits only the leaves from its own on, so each pair is met once. Every group writes into a few slots
-/// of its own and counts; after a scan the slots are compacted, and only groups that overflowed search
-/// again. Pairs are sorted by their ids at the end: the result does not depend on the order of the tree.
+/// The four primitives of a leaf search together as a group. In a search of a tree with
+/// itself a group visits only the leaves from its own on, so each pair is met once. Every
+/// group writes into a few slots of its own and counts; after a scan the slots are
+/// compacted, and only groups that overflowed search again. Pairs are sorted by their ids
+/// at the end: the result does not depend on the order of the tree.
 
 #include "contact/bvh.hpp"
 
@@ -13,8 +15,12 @@
 
 namespace noli::detail {
 
-inline constexpr int kPairSlots = 24;  ///< per group; more pairs cost that group a second search
 inline constexpr int kGroupGrain = 8;  ///< groups per task
+
+/// Slots per group: groups that find more search a second time. Adapted to what the last
+/// search found; the result does not depend on it.
+inline constexpr int kFewestSlots = 16;
+inline constexpr int kMostSlots = 256;
 
 /// Takes pairs as they are found: counts all, stores the first `capacity`.
 struct PairSlots {
@@ -28,11 +34,13 @@ struct PairSlots {
     }
 };
 
-/// Bit 4 i + j is set if box i of block a overlaps box j of block b and, where kSkipShared,
-/// the two primitives share no vertex.
+/// Bit 4 i + j is set if box i of block a overlaps box j of block b and, where
+/// kSkipShared, the two primitives share no vertex.
 template <bool kOnDevice, bool kSkipShared, class Box, class IdsA, class IdsB>
-NOLI_HD inline unsigned close_bits(const BoxBlock<Box>& a, const IdBlock<IdsA>& a_ids,
-                                   const BoxBlock<Box>& b, const IdBlock<IdsB>& b_ids) {
+NOLI_HD inline unsigned close_bits(const BoxBlock<Box>& a,
+                                   const IdBlock<IdsA>& a_ids,
+                                   const BoxBlock<Box>& b,
+                                   const IdBlock<IdsB>& b_ids) {
     unsigned bits = 0;
     for (int i = 0; i < kBlockSize; ++i) {
         unsigned shared = 0;
@@ -43,10 +51,12 @@ NOLI_HD inline unsigned close_bits(const BoxBlock<Box>& a, const IdBlock<IdsA>& 
     return bits;
 }
 
-/// The primitives of one group against those of one leaf: found.add for every pair that `test` accepts.
+/// The primitives of one group against those of one leaf: found.add for every pair that
+/// `test` accepts.
 ///
-/// A test has kSelf (one tree searched with itself), kSkipShared (primitives that share a vertex form no
-/// pair) and bool operator()(int query, int target), in a search with itself query < target.
+/// A test has kSelf (one tree searched with itself), kSkipShared (primitives that share a
+/// vertex form no pair) and bool operator()(int query, int target), in a search with
+/// itself query < target.
 template <bool kOnDevice, class Box, class QueryIds, class TargetIds, class Test>
 struct GroupVisit {
     const BvhView<Box, QueryIds>& queries;
@@ -57,8 +67,11 @@ struct GroupVisit {
 
     NOLI_HD void operator()(int leaf) {
         constexpr unsigned kAbove = 0x08CEU;  // bits 4 i + j with i < j
-        unsigned bits = close_bits<kOnDevice, Test::kSkipShared, Box>(
-            queries.block(0, group), queries.ids[group], targets.block(0, leaf), targets.ids[leaf]);
+        unsigned bits =
+            close_bits<kOnDevice, Test::kSkipShared, Box>(queries.block(0, group),
+                                                          queries.ids[group],
+                                                          targets.block(0, leaf),
+                                                          targets.ids[leaf]);
         if (Test::kSelf && leaf == group) bits &= kAbove;
         for (; bits != 0; bits &= bits - 1) {
             const int bit = lowest_bit(bits);
@@ -75,7 +88,8 @@ struct GroupVisit {
 /// Box of a whole leaf. With a single leaf nobody asks for the tree above it.
 template <class Box, class Ids>
 NOLI_HD inline Box leaf_box(const BvhView<Box, Ids>& tree, int leaf) {
-    if (tree.levels.count > 1) return load(tree.block(1, leaf / kBlockSize), leaf % kBlockSize);
+    if (tree.levels.count > 1)
+        return load(tree.block(1, leaf / kBlockSize), leaf % kBlockSize);
     Box box;
     make_empty(box);
     for (int j = 0; j < kBlockSize; ++j)
@@ -91,8 +105,10 @@ struct GroupSearch {
     Test test;
 
     NOLI_HD void operator()(int group, PairSlots& found) const {
-        GroupVisit<kOnDevice, Box, QueryIds, TargetIds, Test> visit{queries, targets, test, group, found};
-        visit_leaves<kOnDevice>(targets, leaf_box(queries, group), Test::kSelf ? group : 0, visit);
+        GroupVisit<kOnDevice, Box, QueryIds, TargetIds, Test> visit{
+            queries, targets, test, group, found};
+        visit_leaves<kOnDevice>(
+            targets, leaf_box(queries, group), Test::kSelf ? group : 0, visit);
     }
 };
 
@@ -106,33 +122,51 @@ struct PairWork {
     typename Exec::template Buffer<int> places;
 };
 
-/// counts[g] = pairs of group g, the first kPairSlots of them in its slots.
+/// Slots of the groups, `per_group` each.
+struct SlotView {
+    View<Int2> all;
+    int per_group;
+
+    [[nodiscard]] NOLI_HD Int2* of_group(int group) const {
+        return all.data + static_cast<std::int64_t>(group) * per_group;
+    }
+};
+
+/// counts[g] = pairs of group g, as many as fit in its slots.
 template <class Exec, class Search>
-void search_groups(Exec& exec, Search search, int num_groups, View<Int2> slots, View<int> counts) {
+void search_groups(
+    Exec& exec, Search search, int num_groups, SlotView slots, View<int> counts) {
     exec.for_each(
-        "contact/search_groups", num_groups,
+        "contact/search_groups",
+        num_groups,
         [=] NOLI_HD(int g) {
-            PairSlots found{slots.data + static_cast<std::int64_t>(g) * kPairSlots, kPairSlots, 0};
+            PairSlots found{slots.of_group(g), slots.per_group, 0};
             search(g, found);
             counts[g] = found.count;
         },
         kGroupGrain);
 }
 
-/// out[offsets[g] ...] = pairs of group g; searches again where the slots did not suffice.
+/// out[offsets[g] ...] = pairs of group g; searches again where the slots did not
+/// suffice.
 template <class Exec, class Search>
-void compact_groups(Exec& exec, Search search, int num_groups, View<const Int2> slots,
-                    View<const int> offsets, View<Int2> out) {
+void compact_groups(Exec& exec,
+                    Search search,
+                    int num_groups,
+                    SlotView slots,
+                    View<const int> offsets,
+                    View<Int2> out) {
     exec.for_each(
-        "contact/compact_groups", num_groups,
+        "contact/compact_groups",
+        num_groups,
         [=] NOLI_HD(int g) {
             const int count = offsets[g + 1] - offsets[g];
             PairSlots found{out.data + offsets[g], count, 0};
-            if (count > kPairSlots) {
+            if (count > slots.per_group) {
                 search(g, found);
                 return;
             }
-            const Int2* from = slots.data + static_cast<std::int64_t>(g) * kPairSlots;
+            const Int2* from = slots.of_group(g);
             for (int k = 0; k < count; ++k)
                 found.add(from[k][0], from[k][1]);
         },
@@ -150,7 +184,8 @@ void sort_pairs(Exec& exec, int num_second, PairWork<Exec>& work, View<Int2> pai
     const View<std::uint64_t> keys = work.keys.view();
     const View<int> places = work.places.view();
     exec.for_each("contact/pair_keys", pairs.size, [=] NOLI_HD(int i) {
-        keys[i] = (static_cast<std::uint64_t>(pairs[i][0]) << bits) | static_cast<std::uint64_t>(pairs[i][1]);
+        keys[i] = (static_cast<std::uint64_t>(pairs[i][0]) << bits)
+                | static_cast<std::uint64_t>(pairs[i][1]);
         places[i] = i;
     });
     exec.sort_by_key("contact/sort_pairs", keys, places);
@@ -160,28 +195,49 @@ void sort_pairs(Exec& exec, int num_second, PairWork<Exec>& work, View<Int2> pai
     });
 }
 
-/// All pairs of a search, sorted. num_second: the second ids are below it.
+/// All pairs of a search, sorted. num_second: the second ids are below it. The old size
+/// of `out` tells how many to expect.
 template <class Exec, class Search, class PairBuffer>
-void collect_pairs(Exec& exec, const Search& search, int num_groups, int num_second, PairWork<Exec>& work,
+void collect_pairs(Exec& exec,
+                   const Search& search,
+                   int num_groups,
+                   int num_second,
+                   PairWork<Exec>& work,
                    PairBuffer& out) {
-    work.slots.resize(num_groups * kPairSlots);
+    const int expected = num_groups > 0 ? 3 * (out.size() / num_groups) : 0;
+    const int per_group = expected < kFewestSlots
+                            ? kFewestSlots
+                            : (expected > kMostSlots ? kMostSlots : expected);
+    work.slots.resize(num_groups * per_group);
+    const SlotView slots{work.slots.view(), per_group};
     work.counts.resize(num_groups);
     work.offsets.resize(num_groups + 1);
-    search_groups(exec, search, num_groups, work.slots.view(), work.counts.view());
-    const int total = exec.scan("contact/scan_groups", work.counts.view(), work.offsets.view());
+    search_groups(exec, search, num_groups, slots, work.counts.view());
+    const int total =
+        exec.scan("contact/scan_groups", work.counts.view(), work.offsets.view());
     out.resize(total);
-    compact_groups(exec, search, num_groups, View<const Int2>(work.slots.view()),
-                   View<const int>(work.offsets.view()), out.view());
+    compact_groups(exec,
+                   search,
+                   num_groups,
+                   slots,
+                   View<const int>(work.offsets.view()),
+                   out.view());
     sort_pairs(exec, num_second, work, out.view());
 }
 
-/// All pairs of primitives (query, target) that `test` accepts, sorted; their boxes overlap.
+/// All pairs of primitives (query, target) that `test` accepts, sorted; their boxes
+/// overlap.
 template <class Exec, class Box, class QueryIds, class TargetIds, class Test>
-void find_tree_pairs(Exec& exec, const BvhView<Box, QueryIds>& queries,
-                     const BvhView<Box, TargetIds>& targets, const Test& test, PairWork<Exec>& work,
+void find_tree_pairs(Exec& exec,
+                     const BvhView<Box, QueryIds>& queries,
+                     const BvhView<Box, TargetIds>& targets,
+                     const Test& test,
+                     PairWork<Exec>& work,
                      typename Exec::template Buffer<Int2>& out) {
-    const GroupSearch<Exec::kIsDevice, Box, QueryIds, TargetIds, Test> search{queries, targets, test};
-    collect_pairs(exec, search, queries.levels.num_leaves(), targets.order.size, work, out);
+    const GroupSearch<Exec::kIsDevice, Box, QueryIds, TargetIds, Test> search{
+        queries, targets, test};
+    collect_pairs(
+        exec, search, queries.levels.num_leaves(), targets.order.size, work, out);
 }
 
 }  // namespace noli::detail

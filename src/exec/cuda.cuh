@@ -22,6 +22,7 @@ namespace noli {
 /// Throws std::runtime_error naming the kernel or call that failed.
 inline void check_cuda(cudaError_t status, const char* what) {
     if (status == cudaSuccess) return;
+    cudaGetLastError();  // forget it, or the next launch would report it again
     throw std::runtime_error(std::string(what) + ": " + cudaGetErrorString(status));
 }
 

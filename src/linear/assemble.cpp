@@ -62,7 +62,8 @@ void merged_row(const OperatorView& op,
     if (const int t = touched_index[vertex]; t >= 0) {
         for (int e = op.touched_begin[t]; e < op.touched_begin[t + 1]; ++e)
             for (const int v : op.vertices[op.slots[e] / kSlotsPerTerm].v)
-                if (v >= 0 && rank[v] >= 0 && rank[v] < own) out.emplace_back(rank[v], -1);
+                if (v >= 0 && rank[v] >= 0 && rank[v] < own)
+                    out.emplace_back(rank[v], -1);
     }
     if (num_matrix == out.size()) {
         std::sort(out.begin(), out.end());
@@ -72,8 +73,26 @@ void merged_row(const OperatorView& op,
     std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
         return a.first != b.first ? a.first < b.first : a.second > b.second;
     });
-    const auto same_column = [](const auto& a, const auto& b) { return a.first == b.first; };
+    const auto same_column = [](const auto& a, const auto& b) {
+        return a.first == b.first;
+    };
     out.erase(std::unique(out.begin(), out.end(), same_column), out.end());
+}
+
+int merged_row_length(const OperatorView& op,
+                      View<const int> touched_index,
+                      View<const int> rank,
+                      int vertex) {
+    if (touched_index[vertex] >= 0) {
+        thread_local std::vector<std::pair<int, int>> row;
+        merged_row(op, touched_index, rank, vertex, row);
+        return static_cast<int>(row.size());
+    }
+    const auto own = static_cast<unsigned>(rank[vertex]);
+    int length = 0;  // -1, a vertex that is left out, is a large unsigned number
+    for (int b = op.row_begin[vertex]; b < op.row_begin[vertex + 1]; ++b)
+        length += static_cast<unsigned>(rank[op.col[b]]) <= own ? 1 : 0;
+    return length;
 }
 
 void merged_row_values(const OperatorView& op,
@@ -93,7 +112,8 @@ void merged_row_values(const OperatorView& op,
         for (int s = 0; s < kSlotsPerTerm; ++s) {
             const int v = op.vertices[term][s];
             if (v < 0 || rank[v] < 0 || rank[v] > rank[vertex]) continue;
-            Mat3d& block = out[std::lower_bound(cols.begin(), cols.end(), rank[v]) - cols.begin()];
+            Mat3d& block =
+                out[std::lower_bound(cols.begin(), cols.end(), rank[v]) - cols.begin()];
             for (int m = op.first_mode[term]; m < op.first_mode[term + 1]; ++m)
                 block += outer(op.modes[m].q[slot], op.modes[m].q[s]);
         }

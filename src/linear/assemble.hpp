@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The whole operator, block matrix + low-rank terms, as one matrix on the host: input of CHOLMOD
-/// and of the incomplete factorisation, and the oracle of the matrix-free product.
+/// The whole operator, block matrix + low-rank terms, as one matrix on the host: input of
+/// CHOLMOD and of the incomplete factorisation, and the oracle of the matrix-free
+/// product.
 ///
-/// Unknowns may be renumbered on the way: `rank` gives each vertex its place in the result, -1
-/// leaves it out (fixed vertices).
+/// Unknowns may be renumbered on the way: `rank` gives each vertex its place in the
+/// result, -1 leaves it out (fixed vertices).
 
 #include "linear/block_matrix.hpp"
 #include "linear/low_rank.hpp"
@@ -29,7 +30,8 @@ struct SparseMatrix {
 struct MergedBlocks {
     std::vector<int> row_begin;  ///< num_rows + 1
     std::vector<int> col;
-    std::vector<int> source;   ///< index of the block in the block matrix, -1 where only terms are
+    std::vector<int>
+        source;  ///< index of the block in the block matrix, -1 where only terms are
     std::vector<Mat3d> value;  ///< full 3x3 blocks, the diagonal ones too
 
     [[nodiscard]] int num_rows() const { return static_cast<int>(row_begin.size()) - 1; }
@@ -45,7 +47,8 @@ struct OperatorView {
     View<const int> touched, touched_begin, slots;
 };
 
-/// Where each vertex goes: unknowns keep the order of the vertices, fixed ones are left out.
+/// Where each vertex goes: unknowns keep the order of the vertices, fixed ones are left
+/// out.
 struct Numbering {
     std::vector<int> rank;    ///< per vertex: its unknown, or -1
     std::vector<int> vertex;  ///< per unknown: its vertex
@@ -72,7 +75,13 @@ void merged_row(const OperatorView& op,
                 int vertex,
                 std::vector<std::pair<int, int>>& out);
 
-/// Values of one merged row, in double.
+/// Number of blocks of one merged row.
+int merged_row_length(const OperatorView& op,
+                      View<const int> touched_index,
+                      View<const int> rank,
+                      int vertex);
+
+/// Values of one merged row.
 void merged_row_values(const OperatorView& op,
                        View<const int> touched_index,
                        View<const int> rank,
@@ -121,8 +130,8 @@ OperatorView view_operator(Exec& exec,
             detail::host_view(exec, terms.slots(), copy.slots)};
 }
 
-/// Fills the pattern of the merged lower triangle in the given numbering. `loop(n, f)` runs f(i)
-/// for i in [0, n) in any order.
+/// Fills the pattern of the merged lower triangle in the given numbering. `loop(n, f)`
+/// runs f(i) for i in [0, n) in any order.
 template <class Loop>
 void merge_pattern(const Loop& loop,
                    const OperatorView& op,
@@ -136,9 +145,7 @@ void merge_pattern(const Loop& loop,
     begin.assign(static_cast<std::size_t>(n) + 1, 0);
     int* length = begin.data() + 1;
     loop(n, [&, length](int i) {
-        thread_local std::vector<std::pair<int, int>> row;
-        detail::merged_row(op, touched_index, rank, vertex[i], row);
-        length[i] = static_cast<int>(row.size());
+        length[i] = detail::merged_row_length(op, touched_index, rank, vertex[i]);
     });
     for (std::size_t i = 1; i < begin.size(); ++i)
         begin[i] += begin[i - 1];
@@ -178,7 +185,8 @@ void merge_values(const Loop& loop,
     });
 }
 
-/// Everything as one sparse matrix over the unknowns of `numbering`, three rows per vertex.
+/// Everything as one sparse matrix over the unknowns of `numbering`, three rows per
+/// vertex.
 template <class Exec>
 SparseMatrix assemble_sparse(Exec& exec,
                              const BlockMatrix<Exec>& matrix,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Block Jacobi: the inverse of every accumulated 3x3 diagonal block. Kept in double, because the
-/// block of a vertex in stiff contact spans more magnitudes than a float inverse can hold.
+/// Block Jacobi: the inverse of every accumulated 3x3 diagonal block. Kept in double,
+/// because the block of a vertex in stiff contact spans more magnitudes than a float
+/// inverse can hold.
 
 #include "linear/block_matrix.hpp"
 #include "linear/low_rank.hpp"
@@ -25,9 +26,10 @@ NOLI_HD inline Vec3d operator*(const SymMat3d& m, const Vec3d& v) {
 /// Inverse of a symmetric 3x3 block through L D Lᵀ, always positive semi-definite.
 ///
 /// In:     m  (3,3) symmetric; only the upper triangle is read
-/// Valid:  for any m. Pivots below 1e-14 of the largest diagonal entry are raised to it, so a
-///         singular or slightly indefinite block gives a large finite inverse; a block without a
-///         positive diagonal entry gives 0 (such an unknown cannot move).
+/// Valid:  for any m. Pivots below 1e-14 of the largest diagonal entry are raised to it,
+/// so a
+///         singular or slightly indefinite block gives a large finite inverse; a block
+///         without a positive diagonal entry gives 0 (such an unknown cannot move).
 NOLI_HD inline SymMat3d robust_inverse(const Mat3d& m) {
     const double largest = std::fmax(m.a[0], std::fmax(m.a[4], m.a[8]));
     if (largest <= 0.0) return {0, 0, 0, 0, 0, 0};
@@ -61,7 +63,8 @@ void invert_blocks(Exec& exec,
                    View<const std::uint8_t> fixed,
                    View<SymMat3d> inverse) {
     exec.for_each("linear/invert_blocks", blocks.size, [=] NOLI_HD(int i) {
-        inverse[i] = fixed[i] != 0 ? SymMat3d{0, 0, 0, 0, 0, 0} : robust_inverse(blocks[i]);
+        inverse[i] =
+            fixed[i] != 0 ? SymMat3d{0, 0, 0, 0, 0, 0} : robust_inverse(blocks[i]);
     });
 }
 
@@ -80,7 +83,8 @@ class BlockJacobi {
         inverse_.resize(matrix.num_rows());
         matrix.diagonal_blocks(exec, blocks_.view());
         terms.add_diagonal(exec, blocks_.view());
-        detail::invert_blocks(exec, View<const Mat3d>(blocks_.view()), fixed, inverse_.view());
+        detail::invert_blocks(
+            exec, View<const Mat3d>(blocks_.view()), fixed, inverse_.view());
     }
 
     [[nodiscard]] View<const SymMat3d> inverse() const { return inverse_.view(); }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Symmetric matrix of 3x3 blocks with a fixed pattern: inertia + elasticity + boundary terms.
-/// Both triangles are stored, so that a product reads the blocks once, in order, and writes each
-/// row once.
+/// Symmetric matrix of 3x3 blocks with a fixed pattern: inertia + elasticity + boundary
+/// terms. Both triangles are stored, so that a product reads the blocks once, in order,
+/// and writes each row once.
 
 #include "linear/block_pattern.hpp"
 #include "linear/block_row.hpp"
@@ -11,7 +11,8 @@ namespace noli {
 
 namespace detail {
 
-/// values[upper] = sum of the block's contributions (+ diagonal * identity), and its transpose.
+/// values[upper] = sum of the block's contributions (+ diagonal * identity), and its
+/// transpose.
 template <class Exec>
 void assemble_blocks(Exec& exec,
                      View<const int> upper,
@@ -26,7 +27,8 @@ void assemble_blocks(Exec& exec,
         Mat3d sum = zero3();
         for (int g = gather_begin[u]; g < gather_begin[u + 1]; ++g) {
             const Contribution c = Contribution::unpack(gather[g]);
-            const double* block = &element_blocks[kDoublesPerElement * c.element + 9 * c.slot];
+            const double* block =
+                &element_blocks[kDoublesPerElement * c.element + 9 * c.slot];
             for (int row = 0; row < 3; ++row)
                 for (int k = 0; k < 3; ++k)
                     sum(row, k) += c.transposed ? block[3 * k + row] : block[3 * row + k];
@@ -79,7 +81,8 @@ double block_quadratic_form(Exec& exec,
                             View<const Mat3d> values,
                             View<const Vec3d> x) {
     return exec.sum("linear/quadratic_form", x.size, [=] NOLI_HD(int i) {
-        return dot(x[i], block_row_product(values, col, x, row_begin[i], row_begin[i + 1]));
+        return dot(x[i],
+                   block_row_product(values, col, x, row_begin[i], row_begin[i + 1]));
     });
 }
 
@@ -104,12 +107,16 @@ class BlockMatrix {
         values_.resize(pattern.num_blocks());
     }
 
-    /// Sets the values to the sum of the element blocks plus a multiple of the identity per row.
+    /// Sets the values to the sum of the element blocks plus a multiple of the identity
+    /// per row.
     ///
-    /// In:   element_blocks  (num_elements,90): upper triangle of each element's 4x4 blocks, see
+    /// In:   element_blocks  (num_elements,90): upper triangle of each element's 4x4
+    /// blocks, see
     ///                       Contribution
     ///       diagonal        (num_rows): added to the diagonal block times the identity
-    void assemble(Exec& exec, View<const double> element_blocks, View<const double> diagonal) {
+    void assemble(Exec& exec,
+                  View<const double> element_blocks,
+                  View<const double> diagonal) {
         detail::assemble_blocks(exec,
                                 view(upper_),
                                 view(lower_),
@@ -121,7 +128,8 @@ class BlockMatrix {
                                 values_.view());
     }
 
-    /// Sets the values from the upper triangle, blocks in the order of BlockPattern::upper.
+    /// Sets the values from the upper triangle, blocks in the order of
+    /// BlockPattern::upper.
     void set_upper(Exec& exec, View<const Mat3d> upper) {
         detail::scatter_upper(exec, view(upper_), view(lower_), upper, values_.view());
     }
@@ -159,7 +167,7 @@ class BlockMatrix {
     /// Bytes held, for the memory report.
     [[nodiscard]] std::size_t bytes() const {
         return row_begin_.bytes() + col_.bytes() + diagonal_.bytes() + upper_.bytes()
-               + lower_.bytes() + gather_begin_.bytes() + gather_.bytes() + values_.bytes();
+             + lower_.bytes() + gather_begin_.bytes() + gather_.bytes() + values_.bytes();
     }
 
   private:

@@ -30,7 +30,8 @@ void sort_entries(std::vector<Entry>& entries, int Entry::*key, int num_keys) {
 }
 
 /// The two ends of each upper block, merged from entries that are sorted by (row, col).
-std::vector<Int2> merge_into_upper(const std::vector<Entry>& entries, BlockPattern& pattern) {
+std::vector<Int2> merge_into_upper(const std::vector<Entry>& entries,
+                                   BlockPattern& pattern) {
     std::vector<Int2> ends;
     for (const Entry& e : entries) {
         if (ends.empty() || ends.back() != Int2{{e.row, e.col}}) {
@@ -43,10 +44,12 @@ std::vector<Int2> merge_into_upper(const std::vector<Entry>& entries, BlockPatte
     return ends;
 }
 
-/// Rows of both triangles. Visiting the upper blocks in order appends to every row in ascending
-/// column order: the blocks left of the diagonal come from earlier rows.
+/// Rows of both triangles. Visiting the upper blocks in order appends to every row in
+/// ascending column order: the blocks left of the diagonal come from earlier rows.
 void fill_rows(const std::vector<Int2>& ends, BlockPattern& pattern) {
-    const auto at = [](std::vector<int>& v, int i) -> int& { return v[static_cast<std::size_t>(i)]; };
+    const auto at = [](std::vector<int>& v, int i) -> int& {
+        return v[static_cast<std::size_t>(i)];
+    };
     pattern.row_begin.assign(static_cast<std::size_t>(pattern.num_rows) + 1, 0);
     for (const Int2& e : ends) {
         ++at(pattern.row_begin, e[0] + 1);
@@ -102,7 +105,8 @@ BlockPattern build_block_pattern(int num_vertices, std::span<const Int4> element
             for (int b = a; b < 4; ++b, ++slot) {
                 NOLI_DCHECK(a == b || v[a] != v[b]);
                 const Contribution c{static_cast<int>(e), slot, v[a] > v[b]};
-                entries.push_back({std::min(v[a], v[b]), std::max(v[a], v[b]), c.packed()});
+                entries.push_back(
+                    {std::min(v[a], v[b]), std::max(v[a], v[b]), c.packed()});
             }
     }
     return build_from_entries(num_vertices, std::move(entries));

@@ -2,10 +2,10 @@
 #pragma once
 /// One row of a block-sparse product, the innermost loop of every linear solve.
 ///
-/// The nine numbers of a row-major block meet the pattern (x y z x y z x y z) in nine running
-/// sums, and only the end of the row adds them in threes. So a block costs one 8-wide product and
-/// a scalar one with AVX-512, two 4-wide with AVX2, and the order of the additions, and with it
-/// every bit of the result, is the same for all widths.
+/// The nine numbers of a row-major block meet the pattern (x y z x y z x y z) in nine
+/// running sums, and only the end of the row adds them in threes. So a block costs one
+/// 8-wide product and a scalar one with AVX-512, two 4-wide with AVX2, and the order of
+/// the additions, and with it every bit of the result, is the same for all widths.
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
@@ -52,7 +52,9 @@ __attribute__((always_inline)) inline Vec3d block_row_product_4(const Mat3d* val
         acc1 += *reinterpret_cast<const Double4*>(a + 4) * Double4{v.y, v.z, v.x, v.y};
         acc2 += a[8] * v.z;
     }
-    return {acc0[0] + acc0[1] + acc0[2], acc0[3] + acc1[0] + acc1[1], acc1[2] + acc1[3] + acc2};
+    return {acc0[0] + acc0[1] + acc0[2],
+            acc0[3] + acc1[0] + acc1[1],
+            acc1[2] + acc1[3] + acc2};
 }
 
 /// block_row_product in AVX-512 registers: call only from code compiled for AVX-512.
@@ -74,8 +76,8 @@ __attribute__((always_inline)) inline Vec3d block_row_product_8(const Mat3d* val
 
 #endif
 
-/// Lane kernel y[i] = sum_k A_ik x_k: the executor's choice of pack width only selects the
-/// instruction set here; rows are computed one after the other.
+/// Lane kernel y[i] = sum_k A_ik x_k: the executor's choice of pack width only selects
+/// the instruction set here; rows are computed one after the other.
 struct BlockProductKernel {
     View<const int> row_begin, col;
     View<const Mat3d> values;
@@ -94,10 +96,12 @@ struct BlockProductKernel {
             const int count = row_begin[i + 1] - begin;
 #if defined(__x86_64__)
             if constexpr (W == 8) {
-                y[i] = block_row_product_8(values.data + begin, col.data + begin, x.data, count);
+                y[i] = block_row_product_8(
+                    values.data + begin, col.data + begin, x.data, count);
                 continue;
             } else if constexpr (W == 4) {
-                y[i] = block_row_product_4(values.data + begin, col.data + begin, x.data, count);
+                y[i] = block_row_product_4(
+                    values.data + begin, col.data + begin, x.data, count);
                 continue;
             }
 #endif

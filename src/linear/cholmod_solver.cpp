@@ -3,7 +3,6 @@
 
 #if defined(NOLI_HAVE_CHOLMOD)
 #include <cholmod.h>
-
 #include <cmath>
 #include <cstring>
 
@@ -66,7 +65,9 @@ struct CholmodSolver::Impl {
     }
 };
 
-bool CholmodSolver::available() { return true; }
+bool CholmodSolver::available() {
+    return true;
+}
 
 CholmodSolver::Outcome CholmodSolver::factorize(const SparseMatrix& upper) {
     cholmod_sparse a = Impl::describe(upper);
@@ -81,9 +82,11 @@ CholmodSolver::Outcome CholmodSolver::factorize(const SparseMatrix& upper) {
     return Outcome::Solved;
 }
 
-CholmodSolver::Outcome CholmodSolver::solve(std::span<const double> b, std::span<double> x) {
+CholmodSolver::Outcome CholmodSolver::solve(std::span<const double> b,
+                                            std::span<double> x) {
     if (impl_->factorized && b.empty() && x.empty()) return Outcome::Solved;
-    if (!impl_->factorized || impl_->factor == nullptr || b.size() != impl_->factor->n || x.size() != b.size())
+    if (!impl_->factorized || impl_->factor == nullptr || b.size() != impl_->factor->n
+        || x.size() != b.size())
         return Outcome::Failed;
     cholmod_dense rhs = {};
     rhs.nrow = rhs.nzmax = rhs.d = b.size();
@@ -101,20 +104,26 @@ CholmodSolver::Outcome CholmodSolver::solve(std::span<const double> b, std::span
     return Outcome::Solved;
 }
 
-int CholmodSolver::num_analyses() const { return impl_->num_analyses; }
+int CholmodSolver::num_analyses() const {
+    return impl_->num_analyses;
+}
 
 #else
 
 struct CholmodSolver::Impl {};
 
-bool CholmodSolver::available() { return false; }
+bool CholmodSolver::available() {
+    return false;
+}
 CholmodSolver::Outcome CholmodSolver::factorize(const SparseMatrix&) {
     return Outcome::NotAvailable;
 }
 CholmodSolver::Outcome CholmodSolver::solve(std::span<const double>, std::span<double>) {
     return Outcome::NotAvailable;
 }
-int CholmodSolver::num_analyses() const { return 0; }
+int CholmodSolver::num_analyses() const {
+    return 0;
+}
 
 #endif
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Direct solver: CHOLMOD's supernodal Cholesky with METIS ordering. An optional component, since
-/// CHOLMOD's supernodal module is GPL; without it the class exists and says that it is missing.
+/// Direct solver: CHOLMOD's supernodal Cholesky with METIS ordering. An optional
+/// component, since CHOLMOD's supernodal module is GPL; without it the class exists and
+/// says that it is missing.
 ///
-/// Results are reproducible: BLAS is set to one thread, where the BLAS in use lets us say so.
+/// Results are reproducible: BLAS is set to one thread, where the BLAS in use lets us say
+/// so.
 
 #include "linear/assemble.hpp"
 
@@ -29,11 +31,12 @@ class CholmodSolver {
     /// True when this build contains CHOLMOD.
     static bool available();
 
-    /// Factorises the matrix. The ordering and symbolic analysis of the last call are used again
-    /// when the pattern is the same.
+    /// Factorises the matrix. The ordering and symbolic analysis of the last call are
+    /// used again when the pattern is the same.
     Outcome factorize(const SparseMatrix& upper);
 
-    /// Solves with the last factorisation that succeeded; b and x (num_rows), may be the same.
+    /// Solves with the last factorisation that succeeded; b and x (num_rows), may be the
+    /// same.
     Outcome solve(std::span<const double> b, std::span<double> x);
 
     /// Symbolic analyses made so far.
@@ -44,8 +47,9 @@ class CholmodSolver {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Solves (matrix + terms) x = b on the free vertices; x = 0 at the fixed ones. x is untouched
-/// unless the outcome is Solved. b, x (num_rows) and fixed (num_rows) are executor memory.
+/// Solves (matrix + terms) x = b on the free vertices; x = 0 at the fixed ones. x is
+/// untouched unless the outcome is Solved. b, x (num_rows) and fixed (num_rows) are
+/// executor memory.
 template <class Exec>
 CholmodSolver::Outcome solve_direct(Exec& exec,
                                     CholmodSolver& solver,
@@ -57,7 +61,8 @@ CholmodSolver::Outcome solve_direct(Exec& exec,
     std::vector<std::uint8_t> host_fixed;
     exec.download(fixed, host_fixed);
     const Numbering numbering = number_free_vertices(host_fixed);
-    const auto factorized = solver.factorize(assemble_sparse(exec, matrix, terms, numbering));
+    const auto factorized =
+        solver.factorize(assemble_sparse(exec, matrix, terms, numbering));
     if (factorized != CholmodSolver::Outcome::Solved) return factorized;
 
     std::vector<Vec3d> host;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/incomplete_cholesky.hpp"
 
-#include <algorithm>
-#include <numeric>
+#include "exec/lanes.hpp"
+
+#include <vector>
 
 namespace noli {
 
@@ -11,32 +12,33 @@ namespace {
 typedef float Float4 __attribute__((vector_size(16), aligned(4), may_alias));
 typedef double Double4 __attribute__((vector_size(32), aligned(8), may_alias));
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-template <class T>
-bool same(const std::vector<T>& a, View<const T> b) {
-    return a.size() == at(b.size) && std::equal(a.begin(), a.end(), b.begin());
+std::size_t at(int i) {
+    return static_cast<std::size_t>(i);
 }
 
-/// Running sums of B x over column-major 3x3 blocks B, one per column so that they do not wait for
-/// each other. Lane 3 is junk.
+/// Running sums of B x over column-major 3x3 blocks B, one per column so that they do not
+/// wait for each other. Lane 3 is junk.
 struct ColumnSums {
     Float4 c0{}, c1{}, c2{};
 
     void add(const float* block, const float* x) {
         const Float4 v = *reinterpret_cast<const Float4*>(x);
         c0 += *reinterpret_cast<const Float4*>(block) * Float4{v[0], v[0], v[0], v[0]};
-        c1 += *reinterpret_cast<const Float4*>(block + 3) * Float4{v[1], v[1], v[1], v[1]};
-        c2 += *reinterpret_cast<const Float4*>(block + 6) * Float4{v[2], v[2], v[2], v[2]};
+        c1 +=
+            *reinterpret_cast<const Float4*>(block + 3) * Float4{v[1], v[1], v[1], v[1]};
+        c2 +=
+            *reinterpret_cast<const Float4*>(block + 6) * Float4{v[2], v[2], v[2], v[2]};
     }
     [[nodiscard]] Float4 total() const { return c0 + c1 + c2; }
 };
 
 /// One store of all four lanes: the next row loads them again as one.
 void store(float* y, const Vec3d& from, const Float4& minus) {
-    *reinterpret_cast<Float4*>(y) =
-        Float4{static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z), 0}
-        - minus;
+    *reinterpret_cast<Float4*>(y) = Float4{static_cast<float>(from.x),
+                                           static_cast<float>(from.y),
+                                           static_cast<float>(from.z),
+                                           0}
+                                  - minus;
 }
 
 /// Row-major 3x3 block whose rows are padded to four doubles; lane 3 is junk.
@@ -44,7 +46,9 @@ struct WideBlock {
     Double4 row[3];
 
     static WideBlock from(const Mat3d& m) {
-        return {{Double4{m.a[0], m.a[1], m.a[2], 0}, Double4{m.a[3], m.a[4], m.a[5], 0}, Double4{m.a[6], m.a[7], m.a[8], 0}}};
+        return {{Double4{m.a[0], m.a[1], m.a[2], 0},
+                 Double4{m.a[3], m.a[4], m.a[5], 0},
+                 Double4{m.a[6], m.a[7], m.a[8], 0}}};
     }
     [[nodiscard]] WideBlock transposed() const {
         return {Double4{row[0][0], row[1][0], row[2][0], 0},
@@ -52,7 +56,15 @@ struct WideBlock {
                 Double4{row[0][2], row[1][2], row[2][2], 0}};
     }
     [[nodiscard]] Mat3d narrow() const {
-        return {row[0][0], row[0][1], row[0][2], row[1][0], row[1][1], row[1][2], row[2][0], row[2][1], row[2][2]};
+        return {row[0][0],
+                row[0][1],
+                row[0][2],
+                row[1][0],
+                row[1][1],
+                row[1][2],
+                row[2][0],
+                row[2][1],
+                row[2][2]};
     }
 };
 
@@ -60,9 +72,12 @@ struct WideBlock {
 inline __attribute__((always_inline)) void subtract_product(WideBlock& block,
                                                             const WideBlock& left,
                                                             const float* b) {
-    const Double4 b0 = __builtin_convertvector(*reinterpret_cast<const Float4*>(b), Double4);
-    const Double4 b1 = __builtin_convertvector(*reinterpret_cast<const Float4*>(b + 3), Double4);
-    const Double4 b2 = __builtin_convertvector(*reinterpret_cast<const Float4*>(b + 6), Double4);
+    const Double4 b0 =
+        __builtin_convertvector(*reinterpret_cast<const Float4*>(b), Double4);
+    const Double4 b1 =
+        __builtin_convertvector(*reinterpret_cast<const Float4*>(b + 3), Double4);
+    const Double4 b2 =
+        __builtin_convertvector(*reinterpret_cast<const Float4*>(b + 6), Double4);
     for (int i = 0; i < 3; ++i)
         block.row[i] -= left.row[i][0] * b0 + left.row[i][1] * b1 + left.row[i][2] * b2;
 }
@@ -81,99 +96,14 @@ bool exceeds(const Mat3d& m, double theta, const Mat3d& reference) {
     return d.a[8] - l20 * d.a[2] - u12 * u12 / d1 > 0.0;
 }
 
-/// Calls f(vertex) for everything coupled to a vertex, repeats and itself included.
-template <class F>
-void for_each_neighbour(const OperatorView& op, View<const int> touched_index, int v, const F& f) {
-    for (int b = op.row_begin[v]; b < op.row_begin[v + 1]; ++b)
-        f(op.col[b]);
-    const int t = touched_index[v];
-    if (t < 0) return;
-    for (int e = op.touched_begin[t]; e < op.touched_begin[t + 1]; ++e)
-        for (const int w : op.vertices[op.slots[e] / kSlotsPerTerm].v)
-            if (w >= 0) f(w);
-}
-
 }  // namespace
 
-ColouredRows colour_rows(const OperatorView& op,
-                         View<const int> touched_index,
-                         View<const std::uint8_t> fixed,
-                         int rows_per_block) {
-    const Numbering free = number_free_vertices({fixed.data, at(fixed.size)});
-    const int num_rows = static_cast<int>(free.vertex.size());
-    const int num_blocks = (num_rows + rows_per_block - 1) / rows_per_block;
-
-    std::vector<int> colour(at(num_blocks), -1);
-    std::vector<int> taken;  // taken[c] == b: a neighbour of block b has colour c
-    for (int b = 0; b < num_blocks; ++b) {
-        const int end = std::min(num_rows, (b + 1) * rows_per_block);
-        for (int i = b * rows_per_block; i < end; ++i)
-            for_each_neighbour(op, touched_index, free.vertex[at(i)], [&](int w) {
-                const int other = free.rank[at(w)] / rows_per_block;
-                if (free.rank[at(w)] >= 0 && colour[at(other)] >= 0)
-                    taken[at(colour[at(other)])] = b;
-            });
-        const auto first = std::find_if(taken.begin(), taken.end(), [b](int t) { return t != b; });
-        colour[at(b)] = static_cast<int>(first - taken.begin());
-        if (first == taken.end()) taken.push_back(-1);
-    }
-
-    std::vector<int> order(at(num_blocks));
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-        return colour[at(a)] < colour[at(b)];
-    });
-    ColouredRows out;
-    out.numbering.rank.assign(at(fixed.size), -1);
-    out.block_begin.push_back(0);
-    for (int k = 0; k < num_blocks; ++k) {
-        const int b = order[at(k)];
-        while (static_cast<int>(out.colour_begin.size()) <= colour[at(b)])
-            out.colour_begin.push_back(k);
-        const int end = std::min(num_rows, (b + 1) * rows_per_block);
-        for (int i = b * rows_per_block; i < end; ++i) {
-            out.numbering.rank[at(free.vertex[at(i)])] =
-                static_cast<int>(out.numbering.vertex.size());
-            out.numbering.vertex.push_back(free.vertex[at(i)]);
-        }
-        out.block_begin.push_back(static_cast<int>(out.numbering.vertex.size()));
-    }
-    out.colour_begin.push_back(num_blocks);
-    return out;
-}
-
-bool IncompleteCholesky::pattern_changed(const OperatorView& op, View<const std::uint8_t> fixed) {
-    if (same(seen_row_begin_, op.row_begin) && same(seen_col_, op.col)
-        && same(seen_terms_, op.vertices) && same(seen_fixed_, fixed))
-        return false;
-    seen_row_begin_.assign(op.row_begin.begin(), op.row_begin.end());
-    seen_col_.assign(op.col.begin(), op.col.end());
-    seen_terms_.assign(op.vertices.begin(), op.vertices.end());
-    seen_fixed_.assign(fixed.begin(), fixed.end());
-    return true;
-}
-
-void IncompleteCholesky::transpose_pattern() {
-    const std::size_t num_off = merged_.col.size() - at(num_rows());
-    constexpr std::size_t kPadding = 4;  // four floats are read where a column has three
-    lower_.assign(9 * num_off + kPadding, 0.0f);
-    upper_.assign(9 * num_off + kPadding, 0.0f);
-    y_.assign(4 * at(num_rows()), 0.0f);
-    pivot_inverse_.resize(at(num_rows()));
-    upper_begin_.assign(at(num_rows()) + 1, 0);
-    upper_row_.resize(num_off);
-    upper_source_.resize(num_off);
-    for (int i = 0; i < num_rows(); ++i)
-        for (int p = merged_.row_begin[at(i)]; p < merged_.row_begin[at(i) + 1] - 1; ++p)
-            ++upper_begin_[at(merged_.col[at(p)]) + 1];
-    std::partial_sum(upper_begin_.begin(), upper_begin_.end(), upper_begin_.begin());
-    std::vector<int> next(upper_begin_.begin(), upper_begin_.end() - 1);
-    for (int i = 0; i < num_rows(); ++i)
-        for (int p = merged_.row_begin[at(i)]; p < merged_.row_begin[at(i) + 1] - 1; ++p) {
-            const int to = next[at(merged_.col[at(p)])]++;
-            upper_row_[at(to)] = i;
-            upper_source_[at(to)] = p - i;
-        }
+void IncompleteCholesky::resize() {
+    constexpr std::size_t kPadding = 1;  // loads of four reach one past the last block
+    lower_.assign(9 * op_.num_off_diagonal() + kPadding, 0.0f);
+    upper_.assign(9 * op_.num_off_diagonal() + kPadding, 0.0f);
+    y_.assign(4 * at(op_.num_rows()), 0.0f);
+    pivot_inverse_.resize(at(op_.num_rows()));
 }
 
 namespace {
@@ -194,19 +124,25 @@ struct OpenRow {
     void open(const MergedBlocks& merged, int row) {
         if (place.size() < at(merged.num_rows())) place.resize(at(merged.num_rows()), -1);
         entries.clear();
-        for (int p = merged.row_begin[at(row)]; p < merged.row_begin[at(row) + 1] - 1; ++p) {
+        for (int p = merged.row_begin[at(row)]; p < merged.row_begin[at(row) + 1] - 1;
+             ++p) {
             place[at(merged.col[at(p)])] = static_cast<int>(entries.size());
             entries.push_back(WideBlock::from(merged.value[at(p)]));
         }
     }
     void close(const MergedBlocks& merged, int row) {
-        for (int p = merged.row_begin[at(row)]; p < merged.row_begin[at(row) + 1] - 1; ++p)
+        for (int p = merged.row_begin[at(row)]; p < merged.row_begin[at(row) + 1] - 1;
+             ++p)
             place[at(merged.col[at(p)])] = -1;
     }
 };
 
-/// Entry p of the open row, less what the columns before it account for: row_p -= row_k M_jkᵀ.
-inline __attribute__((always_inline)) void eliminate(const FactorArrays& f, OpenRow& open, int p, int j) {
+/// Entry p of the open row, less what the columns before it account for: row_p -= row_k
+/// M_jkᵀ.
+inline __attribute__((always_inline)) void eliminate(const FactorArrays& f,
+                                                     OpenRow& open,
+                                                     int p,
+                                                     int j) {
     const int begin = f.merged.row_begin[at(j)];
     const int end = f.merged.row_begin[at(j) + 1] - 1;
     WideBlock block = open.entries[at(p)];
@@ -223,19 +159,23 @@ inline __attribute__((always_inline)) void finish_entry(const WideBlock& entry,
                                                         float* out,
                                                         WideBlock& pivot) {
     const WideBlock column = entry.transposed();
-    const Double4 scaled[3] = {
-        inverse.xx * column.row[0] + inverse.xy * column.row[1] + inverse.xz * column.row[2],
-        inverse.xy * column.row[0] + inverse.yy * column.row[1] + inverse.yz * column.row[2],
-        inverse.xz * column.row[0] + inverse.yz * column.row[1] + inverse.zz * column.row[2]};
+    const Double4 scaled[3] = {inverse.xx * column.row[0] + inverse.xy * column.row[1]
+                                   + inverse.xz * column.row[2],
+                               inverse.xy * column.row[0] + inverse.yy * column.row[1]
+                                   + inverse.yz * column.row[2],
+                               inverse.xz * column.row[0] + inverse.yz * column.row[1]
+                                   + inverse.zz * column.row[2]};
     for (int c = 0; c < 3; ++c)
         for (int r = 0; r < 3; ++r)
             out[3 * c + r] = static_cast<float>(scaled[c][r]);
     for (int r = 0; r < 3; ++r)
         pivot.row[r] -= entry.row[r][0] * scaled[0] + entry.row[r][1] * scaled[1]
-                        + entry.row[r][2] * scaled[2];
+                      + entry.row[r][2] * scaled[2];
 }
 
-inline __attribute__((always_inline)) bool factor_row(const FactorArrays& f, OpenRow& open, int row) {
+inline __attribute__((always_inline)) bool factor_row(const FactorArrays& f,
+                                                      OpenRow& open,
+                                                      int row) {
     const int begin = f.merged.row_begin[at(row)];
     const int count = f.merged.row_begin[at(row) + 1] - begin - 1;
     const Mat3d& original = f.merged.value[at(begin + count)];
@@ -244,20 +184,24 @@ inline __attribute__((always_inline)) bool factor_row(const FactorArrays& f, Ope
     for (int p = 0; p < count; ++p) {
         const int j = f.merged.col[at(begin + p)];
         eliminate(f, open, p, j);
-        finish_entry(
-            open.entries[at(p)], f.pivot_inverse[j], f.lower + 9 * at(begin - row + p), pivot);
+        finish_entry(open.entries[at(p)],
+                     f.pivot_inverse[j],
+                     f.lower + 9 * at(begin - row + p),
+                     pivot);
     }
     open.close(f.merged, row);
 
     // Far below the original block, a pivot is mostly the error of what was left out.
-    static const double kSmallestPivot = getenv("SMALL")?atof(getenv("SMALL")):1e-3;
+    constexpr double kSmallestPivot = 1e-3;
     const Mat3d result = pivot.narrow();
     if (!exceeds(result, kSmallestPivot, original)) return false;
     f.pivot_inverse[row] = robust_inverse(result);
     return true;
 }
 
-inline __attribute__((always_inline)) bool factor_rows(const FactorArrays& f, int begin, int end) {
+inline __attribute__((always_inline)) bool factor_rows(const FactorArrays& f,
+                                                       int begin,
+                                                       int end) {
     thread_local OpenRow open;
     for (int i = begin; i < end; ++i)
         if (!factor_row(f, open, i)) return false;
@@ -265,17 +209,19 @@ inline __attribute__((always_inline)) bool factor_rows(const FactorArrays& f, in
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"), flatten)) bool factor_rows_avx2(const FactorArrays& f, int begin, int end) {
+__attribute__((target("avx2"), flatten)) bool factor_rows_avx2(const FactorArrays& f,
+                                                               int begin,
+                                                               int end) {
     return factor_rows(f, begin, end);
 }
 #endif
 
 }  // namespace
 
-bool IncompleteCholesky::factor_block(int block, double shift) {
-    const FactorArrays f{merged_, lower_.data(), pivot_inverse_.data(), shift};
-    const int begin = rows_.block_begin[at(block)];
-    const int end = rows_.block_begin[at(block) + 1];
+bool IncompleteCholesky::factor(int group, double shift) {
+    const FactorArrays f{op_.lower(), lower_.data(), pivot_inverse_.data(), shift};
+    const int begin = op_.rows().group_begin[at(group)];
+    const int end = op_.rows().group_begin[at(group) + 1];
 #if defined(__x86_64__)
     if (lane_dispatch() != LaneDispatch::Width2) return factor_rows_avx2(f, begin, end);
 #endif
@@ -283,39 +229,43 @@ bool IncompleteCholesky::factor_block(int block, double shift) {
 }
 
 void IncompleteCholesky::transpose_row(int row) {
-    for (int p = upper_begin_[at(row)]; p < upper_begin_[at(row) + 1]; ++p) {
-        const float* from = &lower_[9 * at(upper_source_[at(p)])];
-        float* to = &upper_[9 * at(p)];
+    const MergedBlocks& lower = op_.lower();
+    for (int p = lower.row_begin[at(row)]; p < lower.row_begin[at(row) + 1] - 1; ++p) {
+        const float* from = &lower_[9 * at(p - row)];
+        float* to = &upper_[9 * at(op_.upper_place[at(p - row)])];
         for (int k = 0; k < 9; ++k)
             to[k] = from[3 * (k % 3) + k / 3];
     }
 }
 
-void IncompleteCholesky::forward_block(int block, View<const Vec3d> r) {
-    for (int i = rows_.block_begin[at(block)]; i < rows_.block_begin[at(block) + 1]; ++i) {
+void IncompleteCholesky::forward(int group, View<const Vec3d> r) {
+    const MergedBlocks& lower = op_.lower();
+    const int rows_end = op_.rows().group_begin[at(group) + 1];
+    for (int i = op_.rows().group_begin[at(group)]; i < rows_end; ++i) {
         ColumnSums sums;
-        const int begin = merged_.row_begin[at(i)];
-        const int end = merged_.row_begin[at(i) + 1] - 1;
+        const int begin = lower.row_begin[at(i)];
+        const int end = lower.row_begin[at(i) + 1] - 1;
         const float* m = lower_.data() + 9 * at(begin - i);
         for (int p = begin; p < end; ++p, m += 9)
-            sums.add(m, &y_[4 * at(merged_.col[at(p)])]);
-        store(&y_[4 * at(i)], r[rows_.numbering.vertex[at(i)]], sums.total());
+            sums.add(m, &y_[4 * at(lower.col[at(p)])]);
+        store(&y_[4 * at(i)], r[op_.numbering().vertex[at(i)]], sums.total());
     }
 }
 
-void IncompleteCholesky::backward_block(int block) {
-    for (int i = rows_.block_begin[at(block) + 1] - 1; i >= rows_.block_begin[at(block)]; --i) {
+void IncompleteCholesky::backward(int group) {
+    const int rows_begin = op_.rows().group_begin[at(group)];
+    for (int i = op_.rows().group_begin[at(group) + 1] - 1; i >= rows_begin; --i) {
         ColumnSums sums;
-        const float* m = upper_.data() + 9 * at(upper_begin_[at(i)]);
-        for (int p = upper_begin_[at(i)]; p < upper_begin_[at(i) + 1]; ++p, m += 9)
-            sums.add(m, &y_[4 * at(upper_row_[at(p)])]);
+        const float* m = upper_.data() + 9 * at(op_.upper_begin[at(i)]);
+        for (int p = op_.upper_begin[at(i)]; p < op_.upper_begin[at(i) + 1]; ++p, m += 9)
+            sums.add(m, &y_[4 * at(op_.upper_col[at(p)])]);
         float* y = &y_[4 * at(i)];
         store(y, pivot_inverse_[at(i)] * Vec3d{y[0], y[1], y[2]}, sums.total());
     }
 }
 
 Vec3d IncompleteCholesky::result(int vertex) const {
-    const int i = rows_.numbering.rank[at(vertex)];
+    const int i = op_.numbering().rank[at(vertex)];
     if (i < 0) return {0, 0, 0};
     const float* y = &y_[4 * at(i)];
     return {y[0], y[1], y[2]};

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Contacts in the linear operator: a sum of rank-one matrices q qᵀ ("modes"), each living on the
-/// at most four vertices of its term, applied without ever forming a matrix.
+/// Contacts in the linear operator: a sum of rank-one matrices q qᵀ ("modes"), each
+/// living on the at most four vertices of its term, applied without ever forming a
+/// matrix.
 ///
-/// A product takes two passes: per term, the forces of its modes on its four slots; then per
-/// touched vertex, the sum over the slots it appears in, in ascending (term, slot) order. No
-/// atomics, so the result has the same bits for any number of threads.
+/// A product takes two passes: per term, the forces of its modes on its four slots; then
+/// per touched vertex, the sum over the slots it appears in, in ascending (term, slot)
+/// order. No atomics, so the result has the same bits for any number of threads.
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
@@ -24,7 +25,8 @@ struct Mode {
 
 namespace detail {
 
-/// Sort keys of all slots: their vertex, or num_vertices for unused ones, which so come last.
+/// Sort keys of all slots: their vertex, or num_vertices for unused ones, which so come
+/// last.
 template <class Exec>
 void slot_keys(Exec& exec,
                View<const Int4> vertices,
@@ -40,7 +42,10 @@ void slot_keys(Exec& exec,
 
 /// head[s] = 1 where a used key differs from the one before it.
 template <class Exec>
-void mark_heads(Exec& exec, View<const std::uint32_t> keys, int num_vertices, View<int> head) {
+void mark_heads(Exec& exec,
+                View<const std::uint32_t> keys,
+                int num_vertices,
+                View<int> head) {
     exec.for_each("linear/mark_heads", keys.size, [=] NOLI_HD(int s) {
         const bool used = keys[s] < static_cast<std::uint32_t>(num_vertices);
         head[s] = used && (s == 0 || keys[s] != keys[s - 1]) ? 1 : 0;
@@ -71,7 +76,8 @@ double count_used(Exec& exec, View<const std::uint32_t> keys, int num_vertices) 
 
 template <class Exec>
 void store_end(Exec& exec, int end, View<int> begin) {
-    exec.for_each("linear/store_end", 1, [=] NOLI_HD(int) { begin[begin.size - 1] = end; });
+    exec.for_each(
+        "linear/store_end", 1, [=] NOLI_HD(int) { begin[begin.size - 1] = end; });
 }
 
 /// forces[4 t + slot] = sum over the modes of term t of q_slot (q . x)
@@ -161,8 +167,8 @@ double mode_quadratic_form(Exec& exec,
 
 }  // namespace detail
 
-/// Sum of rank-one matrices over terms of up to four vertices. Whoever owns the terms fills the
-/// three public arrays and calls build_incidence; all else reads them.
+/// Sum of rank-one matrices over terms of up to four vertices. Whoever owns the terms
+/// fills the three public arrays and calls build_incidence; all else reads them.
 template <class Exec>
 class LowRankTerms {
   public:
@@ -170,7 +176,8 @@ class LowRankTerms {
     using Buffer = typename Exec::template Buffer<T>;
 
     Buffer<Int4> vertices;   ///< per term; -1 marks an unused slot
-    Buffer<int> first_mode;  ///< num_terms + 1, ascending: modes of term t are [t], ..., [t+1] - 1
+    Buffer<int> first_mode;  ///< num_terms + 1, ascending: modes of term t are [t], ...,
+                             ///< [t+1] - 1
     Buffer<Mode> modes;      ///< all modes; slots that the term does not use must be zero
 
     /// Sizes the three arrays; contents are undefined afterwards.
@@ -193,7 +200,8 @@ class LowRankTerms {
         detail::mark_heads(exec, keys(), num_vertices, head_.view());
         const int num_touched =
             num_slots == 0 ? 0 : exec.scan("linear/scan_heads", head(), rank_.view());
-        const int num_used = static_cast<int>(detail::count_used(exec, keys(), num_vertices));
+        const int num_used =
+            static_cast<int>(detail::count_used(exec, keys(), num_vertices));
         touched_.resize(num_touched);
         begin_.resize(num_touched + 1);
         detail::compact_heads(
@@ -208,7 +216,8 @@ class LowRankTerms {
         gather_add(exec, View<const Vec3d>(forces_.view()), y);
     }
 
-    /// y[v] += sum over the slots (term, slot) of vertex v of per_term_slot[4 term + slot]
+    /// y[v] += sum over the slots (term, slot) of vertex v of per_term_slot[4 term +
+    /// slot]
     void gather_add(Exec& exec, View<const Vec3d> per_term_slot, View<Vec3d> y) const {
         detail::gather_slots(exec, touched(), touched_begin(), slots(), per_term_slot, y);
     }

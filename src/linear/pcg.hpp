@@ -2,43 +2,20 @@
 #pragma once
 /// Preconditioned conjugate gradients on BlockMatrix + LowRankTerms.
 ///
-/// Fixed unknowns are eliminated without touching the matrix: the preconditioner returns 0 there,
-/// so the search directions and x stay 0, and whatever the product writes there never enters a
-/// dot product.
+/// Fixed unknowns are eliminated without touching the matrix: the preconditioner returns
+/// 0 there, so the search directions and x stay 0, and whatever the product writes there
+/// never enters a dot product.
 ///
-/// Vector operations are a third of an iteration when written one by one, so all updates and the
-/// dot product that follows them share one pass: Exec::sum calls its kernel once per index, and the
-/// kernel may write.
+/// Vector operations are a third of an iteration when written one by one, so all updates
+/// and the dot product that follows them share one pass: Exec::sum calls its kernel once
+/// per index, and the kernel may write.
 
 #include "linear/block_jacobi.hpp"
+#include "linear/gauss_seidel_cg.hpp"
 #include "linear/incomplete_cholesky.hpp"
+#include "linear/pcg_options.hpp"
 
 namespace noli {
-
-enum class PreconditionerKind {
-    BlockJacobi,
-    IncompleteCholesky,  ///< CPU only; a device takes block Jacobi instead
-};
-
-struct PcgOptions {
-    /// Stop when r.P⁻¹r <= tolerance * its first value: a ratio of squared norms. > 0
-    double tolerance = 1e-4;
-    int max_iterations = 10000;  ///< >= 0
-    PreconditionerKind preconditioner = PreconditionerKind::BlockJacobi;
-};
-
-struct PcgResult {
-    enum class Outcome {
-        Converged,
-        MaxIterations,
-        Breakdown,  ///< p.Ap <= 0 (the operator is not positive definite) or not a number
-    };
-    int iterations = 0;  ///< products with the operator
-    Outcome outcome = Outcome::Converged;
-    double residual_ratio = 0.0;  ///< r.P⁻¹r over its first value
-    /// What was used: block Jacobi where the incomplete factorisation did not succeed.
-    PreconditionerKind preconditioner = PreconditionerKind::BlockJacobi;
-};
 
 namespace detail {
 
@@ -131,6 +108,10 @@ class Pcg {
                     View<const std::uint8_t> fixed,
                     const PcgOptions& options,
                     View<Vec3d> x) {
+        if constexpr (!Exec::kIsDevice) {
+            if (options.preconditioner == PreconditionerKind::GaussSeidel)
+                return gauss_seidel_.solve(exec, matrix, terms, b, fixed, options, x);
+        }
         resize(matrix.num_rows());
         PcgResult result;
         result.preconditioner = build(exec, matrix, terms, fixed, options.preconditioner);
@@ -219,6 +200,7 @@ class Pcg {
 
     BlockJacobi<Exec> jacobi_;
     IncompleteCholesky incomplete_;
+    GaussSeidelCg gauss_seidel_;
     bool use_incomplete_ = false;
     typename Exec::template Buffer<Vec3d> r_, z_, p_, q_;
 };

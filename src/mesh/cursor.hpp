@@ -48,13 +48,14 @@ class Cursor {
     /// Next token as a finite number. what: its name in messages ("x of node 3").
     double number(std::string_view what) { return parse_number(token(), what); }
     std::int64_t integer(std::string_view what) { return parse_integer(token(), what); }
-    double parse_number(std::string_view text, std::string_view what) const;
-    std::int64_t parse_integer(std::string_view text, std::string_view what) const;
+    [[nodiscard]] double parse_number(std::string_view text, std::string_view what) const;
+    [[nodiscard]] std::int64_t parse_integer(std::string_view text,
+                                             std::string_view what) const;
     /// Fails unless `count` items of at least `min_bytes` each fit into the rest of the
     /// file and into an int. Called before anything is allocated.
-    int checked_count(std::int64_t count,
-                      std::size_t min_bytes,
-                      std::string_view what) const;
+    [[nodiscard]] int checked_count(std::int64_t count,
+                                    std::size_t min_bytes,
+                                    std::string_view what) const;
 
     /// Next value of a binary file.
     template <class T>
@@ -70,7 +71,7 @@ class Cursor {
         return value;
     }
     /// Fails when a binary coordinate is NaN or infinite.
-    double checked_finite(double value, std::string_view what) const;
+    [[nodiscard]] double checked_finite(double value, std::string_view what) const;
 
     /// From here on places are told in bytes; swap: values have the other byte order.
     void set_binary(bool swap) {

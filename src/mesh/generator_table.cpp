@@ -307,21 +307,21 @@ GeneratorEntry bowl_surface_entry() {
 }  // namespace
 
 const std::vector<GeneratorEntry>& generator_table() {
-    static const std::vector<GeneratorEntry> kTable{box_entry(),
-                                                    slab_entry(),
-                                                    sphere_entry(),
-                                                    torus_entry(),
-                                                    cylinder_entry(),
-                                                    pebble_entry(),
-                                                    star_entry(),
-                                                    knot_entry(),
-                                                    plane_surface_entry(),
-                                                    box_surface_entry(),
-                                                    sphere_surface_entry(),
-                                                    tube_surface_entry(),
-                                                    funnel_surface_entry(),
-                                                    bowl_surface_entry()};
-    return kTable;
+    static const std::vector<GeneratorEntry> table{box_entry(),
+                                                   slab_entry(),
+                                                   sphere_entry(),
+                                                   torus_entry(),
+                                                   cylinder_entry(),
+                                                   pebble_entry(),
+                                                   star_entry(),
+                                                   knot_entry(),
+                                                   plane_surface_entry(),
+                                                   box_surface_entry(),
+                                                   sphere_surface_entry(),
+                                                   tube_surface_entry(),
+                                                   funnel_surface_entry(),
+                                                   bowl_surface_entry()};
+    return table;
 }
 
 const GeneratorEntry* find_generator(const std::string& name) {

@@ -112,7 +112,8 @@ class MeditReader {
             in_.fail(fmt::format(
                 "found {} before Vertices, expected vertices first; write the file again",
                 name));
-        const int count = in_.checked_count(in_.integer("a count"), 2 * N, name);
+        const int count =
+            in_.checked_count(in_.integer("a count"), std::size_t{2} * N, name);
         out.reserve(out.size() + static_cast<std::size_t>(count));
         const auto num_vertices = static_cast<std::int64_t>(mesh_.x.size());
         for (int i = 0; i < count; ++i) {

@@ -152,8 +152,8 @@ class MshReader {
     void read_element_block();
     int read_element_run_v22(int total, int done);
     void read_element(int type, std::int64_t tag);
-    int find_node(std::int64_t tag, std::int64_t element) const;
-    int checked_type(std::int64_t type) const;
+    [[nodiscard]] int find_node(std::int64_t tag, std::int64_t element) const;
+    [[nodiscard]] int checked_type(std::int64_t type) const;
     void expect_section_end(const char* name);
     void start_binary_data() {
         if (binary_) in_.skip_line();

@@ -46,7 +46,7 @@ class PlyReader {
     void read_header();
     void read_format();
     void read_property();
-    Type parse_type(std::string_view text) const;
+    [[nodiscard]] Type parse_type(std::string_view text) const;
     void check_elements() const;
     void read_element(const Element& element);
     void read_vertex(const Element& element);

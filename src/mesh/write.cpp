@@ -303,7 +303,7 @@ std::optional<Error> write_mesh(const std::string& path,
     std::string ext = fs::path(path).extension().string();
     for (char& c : ext)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    const auto refused = check_format(path, ext, mesh);
+    auto refused = check_format(path, ext, mesh);
     if (refused) return refused;
     if (ext == ".msh")
         return store(path,

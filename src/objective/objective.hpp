@@ -25,6 +25,9 @@ struct StepScales {
     double friction_eps = 0.0;   ///< epsv dt, m
 };
 
+/// Spring of a prescribed vertex that has to yield, in multiples of its inertia.
+inline constexpr double kYieldWeight = 1e6;
+
 namespace detail {
 
 template <class Exec>
@@ -43,6 +46,20 @@ template <class Exec>
 void inertia_diagonals(Exec& exec, InertiaViews in, View<double> out) {
     exec.for_each("objective/inertia_diagonal", out.size,
                   [=] NOLI_HD(int v) { out[v] = inertia_diagonal(in, v); });
+}
+
+template <class Exec>
+void hold_by_springs(Exec& exec,
+                     View<const std::uint8_t> was_fixed,
+                     View<const std::uint8_t> fixed,
+                     View<const Vec3d> target,
+                     View<Vec3d> x_tilde,
+                     View<double> mass) {
+    exec.for_each("objective/hold_by_springs", mass.size, [=] NOLI_HD(int v) {
+        if (!was_fixed[v] || fixed[v]) return;
+        x_tilde[v] = target[v];
+        mass[v] *= kYieldWeight;
+    });
 }
 
 template <class Exec>
@@ -91,6 +108,7 @@ class Objective {
         const int n = model.num_vertices;
         gradient_.resize(n);
         diagonal_.resize(n);
+        mass_.resize(n);
         x_start_.resize(n);
         x_tilde_.resize(n);
         scratch_.resize(n);
@@ -107,9 +125,20 @@ class Objective {
         scales_ = scales;
         exec.copy(x_start, x_start_.view());
         exec.copy(x_tilde, x_tilde_.view());
+        exec.copy(View<const double>(device_.mass.view()), mass_.view());
         fixed_ = fixed;
         friction_.resize(0);
         if (scales.stiffness_damping > 0.0) update_damping(exec);
+    }
+
+    /// From now on in this step the vertices of `was_fixed` that are not in `fixed` are held by springs
+    /// to their targets instead of being eliminated: as inertia of kYieldWeight times their mass.
+    void yield(Exec& exec,
+               View<const std::uint8_t> was_fixed,
+               View<const std::uint8_t> fixed,
+               View<const Vec3d> target) {
+        detail::hold_by_springs(exec, was_fixed, fixed, target, x_tilde_.view(), mass_.view());
+        fixed_ = fixed;
     }
 
     /// Freezes friction at x for the given active pairs.
@@ -221,7 +250,7 @@ class Objective {
     }
 
     [[nodiscard]] InertiaViews inertia() const {
-        return {device_.mass.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
+        return {mass_.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
     }
 
     /// The elastic Hessian at the step's start, scaled so that its quadratic form of the
@@ -283,7 +312,7 @@ class Objective {
     Buffer<FrictionTerm> friction_;
     Buffer<CollisionMesh::Plane> planes_;
     Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_, term_gradients_;
-    Buffer<double> diagonal_, blocks_, per_tet_;
+    Buffer<double> mass_, diagonal_, blocks_, per_tet_;
     View<const std::uint8_t> fixed_{};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define XXH_INLINE_ALL
+#define XXH_INLINE_ALL  // NOLINT(readability-identifier-naming): the library's switch
 #include "output/hash.hpp"
 
 #include <fmt/format.h>

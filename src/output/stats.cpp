@@ -46,6 +46,7 @@ nlohmann::ordered_json iteration_json(int step, const IterationRecord& it) {
     return {{"step", step},
             {"iteration", it.iteration},
             {"energy", it.energy},
+            {"energy_after", it.energy_after},
             {"direction", it.direction},
             {"gradient", it.gradient},
             {"step_bound", it.step_bound},
@@ -91,7 +92,7 @@ std::string stats_row(const StepReport& r,
                       std::uint64_t state_hash) {
     return fmt::format(
         "{},{:.17g},{:.6g},{},{},{},{:.17g},{:.17g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},"
-        "{:.6g},{:.6g},{:.6g},{},{:016x}\n",
+        "{:.6g},{:.6g},{:.6g},{},{:.17g},{:016x}\n",
         r.step,
         r.time,
         r.wall_s,
@@ -111,6 +112,7 @@ std::string stats_row(const StepReport& r,
         r.t_output,
         r.peak_mb,
         r.friction_updates,
+        r.boundary_yield,
         state_hash);
 }
 
@@ -188,6 +190,7 @@ std::string report_json(const StepReport& r, std::string_view outcome) {
                                 {"contacts", r.contacts},
                                 {"min_gap", r.min_gap},
                                 {"kappa", r.kappa},
+                                {"boundary_yield", r.boundary_yield},
                                 {"intersections", r.intersections},
                                 {"inversions", r.inversions},
                                 {"wall_s", r.wall_s}};

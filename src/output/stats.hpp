@@ -13,11 +13,12 @@
 
 namespace noli {
 
-/// Columns, in this order; times in seconds, min_gap in metres, kappa in J/m^4.
+/// Columns, in this order; times in seconds, min_gap and boundary_yield in metres, kappa
+/// in J/m^4.
 inline constexpr std::string_view kStatsHeader =
     "step,t,wall_s,newton,pcg,contacts,min_gap,kappa,intersections,inversions,outcome,"
-    "t_pairs,t_assemble,t_solve,t_ccd,t_search,t_output,peak_mb,friction_updates,state_"
-    "hash\n";
+    "t_pairs,t_assemble,t_solve,t_ccd,t_search,t_output,peak_mb,"
+    "friction_updates,boundary_yield,state_hash\n";
 
 /// A row of stats.csv, newline included. Quantities of the simulation have 17 digits, so
 /// that equal runs give equal text.

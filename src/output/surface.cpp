@@ -94,10 +94,14 @@ std::string SurfaceWriter::encode_ply(const Frame& frame) const {
     if (has_velocity)
         out += "property double vx\nproperty double vy\nproperty double vz\n";
     out += fmt::format(
-        "property int body_id\nelement face {}\nproperty list uchar int vertex_indices\n"
-        "element edge {}\nproperty int vertex1\nproperty int vertex2\nend_header\n",
-        triangles_.size(),
-        segments_.size());
+        "property int body_id\nelement face {}\nproperty list uchar int vertex_indices\n",
+        triangles_.size());
+    // Some readers know no edges, so they are only named where there are any.
+    if (!segments_.empty())
+        out +=
+            fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n",
+                        segments_.size());
+    out += "end_header\n";
     for (size_t i = 0; i < vertices_.size(); ++i) {
         const auto v = static_cast<size_t>(vertices_[i]);
         for (const double coordinate : frame.positions[v])

@@ -12,7 +12,8 @@ namespace noli {
 
 namespace {
 
-enum CellType : std::uint8_t { kPoint = 1, kSegment = 3, kTriangle = 5, kTet = 10 };
+/// VTK's numbers.
+enum class CellType : std::uint8_t { Point = 1, Segment = 3, Triangle = 5, Tet = 10 };
 
 template <class T>
 std::string_view bytes_of(std::span<const T> values) {
@@ -73,7 +74,7 @@ struct CellLists {
     void add(const Corners& cell, CellType type, std::span<const int> body_of_vertex) {
         corners.insert(corners.end(), std::begin(cell), std::end(cell));
         ends.push_back(static_cast<std::int32_t>(corners.size()));
-        types.push_back(type);
+        types.push_back(static_cast<std::uint8_t>(type));
         body.push_back(body_of_vertex[static_cast<size_t>(*std::begin(cell))]);
     }
 };
@@ -81,17 +82,17 @@ struct CellLists {
 CellLists list_cells(const FrameMesh& mesh) {
     CellLists cells;
     for (const auto& tet : mesh.tets)
-        cells.add(tet, kTet, mesh.body_of_vertex);
+        cells.add(tet, CellType::Tet, mesh.body_of_vertex);
     const std::vector<bool> elastic = elastic_bodies(mesh);
     for (const auto& triangle : mesh.triangles) {
         const int body = mesh.body_of_vertex[static_cast<size_t>(triangle[0])];
         if (!elastic[static_cast<size_t>(body)])
-            cells.add(triangle, kTriangle, mesh.body_of_vertex);
+            cells.add(triangle, CellType::Triangle, mesh.body_of_vertex);
     }
     for (const auto& segment : mesh.segments)
-        cells.add(segment, kSegment, mesh.body_of_vertex);
+        cells.add(segment, CellType::Segment, mesh.body_of_vertex);
     for (const int point : lone_points(mesh))
-        cells.add(std::array<int, 1>{point}, kPoint, mesh.body_of_vertex);
+        cells.add(std::array<int, 1>{point}, CellType::Point, mesh.body_of_vertex);
     return cells;
 }
 

@@ -22,7 +22,7 @@ Affine compose(const Affine& a, const Affine& b) {
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 4; ++j)
             c.rows[i][j] = a.rows[i][0] * b.rows[0][j] + a.rows[i][1] * b.rows[1][j]
-                           + a.rows[i][2] * b.rows[2][j] + (j == 3 ? a.rows[i][3] : 0.0);
+                         + a.rows[i][2] * b.rows[2][j] + (j == 3 ? a.rows[i][3] : 0.0);
     return c;
 }
 
@@ -48,7 +48,9 @@ Affine make_rotation(const Vector3& axis, double degrees) {
                     {d * x * z - s * y, d * y * z + s * x, c + d * z * z, 0}}}};
 }
 
-Affine make_affine(const Vector3& scale, const Vector3& rotation_deg, const Vector3& translation) {
+Affine make_affine(const Vector3& scale,
+                   const Vector3& rotation_deg,
+                   const Vector3& translation) {
     Affine a = make_rotation(rotation_deg);
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j)
@@ -71,8 +73,8 @@ Affine scaled_and_moved(const Affine& a, double scale, const Vector3& translatio
 double determinant(const Affine& a) {
     const auto& m = a.rows;
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
-           - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-           + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+         - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
 }  // namespace noli

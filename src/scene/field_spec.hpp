@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What a key of a scene may hold. One description per key (scene_fields.hpp) serves the reader, the
-/// writer and the JSON Schema; the three visitors are ObjectReader, ObjectWriter, SchemaBuilder.
+/// What a key of a scene may hold. One description per key (scene_fields.hpp) serves the
+/// reader, the writer and the JSON Schema; the three visitors are ObjectReader,
+/// ObjectWriter, SchemaBuilder.
 ///
-/// A description is a function template  visit_fields(V& v, T& value)  that calls, for every key,
+/// A description is a function template  visit_fields(V& v, T& value)  that calls, for
+/// every key,
 ///
-///     v.number("young", m.young, d.young, {.unit = kPressure, .above = 0, .doc = "..."});
+///     v.number("young", m.young, d.young, {.unit = kPressure, .above = 0, .doc =
+///     "..."});
 ///
-/// with the place of the value, its default and its specification. The reader stores what it finds,
-/// the writer writes what differs from the default, the schema builder notes key and specification.
+/// with the place of the value, its default and its specification. The reader stores what
+/// it finds, the writer writes what differs from the default, the schema builder notes
+/// key and specification.
 
 #include "scene/units.hpp"
 
@@ -20,7 +24,8 @@ namespace noli {
 
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// A number or, where it has a unit, a string like "5 MPa". `above` and `below` exclude the bound.
+/// A number or, where it has a unit, a string like "5 MPa". `above` and `below` exclude
+/// the bound.
 struct NumberSpec {
     Dimension unit = kPlainNumber;
     double above = -kUnbounded;
@@ -47,6 +52,9 @@ struct Choice {
     const char* name;
     const char* doc;
 };
+
+template <class E>
+Choice(E, const char*, const char*) -> Choice<E>;
 
 /// "a pressure > 0 in Pa", "a plain number > -1 and < 0.5".
 std::string expected_number(const NumberSpec& spec);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Animations of IPC scripts as boundary conditions.
 ///
-/// With `script null` the shapes say themselves how they move. A named animation resets that: it
-/// ignores the conditions of the shape lines and moves what it wants. Motion that depends on where
-/// things are (planes that turn back, a bed that stops) is known in advance, because prescribed
-/// vertices go where they are told: it is played through here, step by step.
+/// With `script null` the shapes say themselves how they move. A named animation resets
+/// that: it ignores the conditions of the shape lines and moves what it wants. Motion
+/// that depends on where things are (planes that turn back, a bed that stops) is known in
+/// advance, because prescribed vertices go where they are told: it is played through
+/// here, step by step.
 #include "scene/ipc_script_data.hpp"
 #include "scene/suggest.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <functional>
 #include <map>
 
@@ -26,7 +26,9 @@ constexpr double kTwistDegrees = 72.0;  // 0.4 pi rad
 constexpr double kSquashGap = 0.1;      // m
 
 /// Ends before step `steps` (counted from 0) whatever the rounding of step times.
-double end_before_step(int steps, double dt) { return (steps - 0.5) * dt; }
+double end_before_step(int steps, double dt) {
+    return (steps - 0.5) * dt;
+}
 
 class Animation {
   public:
@@ -57,14 +59,19 @@ class Animation {
             {"DCOBallHitWall", [this] { ball_hits_wall(); }}};
         const std::string& name = script_.animation;
         if (name != "null") warn_about_reset();
-        if (const auto found = animations.find(name); found != animations.end()) return found->second();
+        if (const auto found = animations.find(name); found != animations.end())
+            return found->second();
         std::vector<std::string> known;
+        known.reserve(animations.size());
         for (const auto& [key, action] : animations)
             known.push_back(key);
         script_.animation_words.fail(
-            fmt::format("found script \"{}\", an animation that is missing here, expected {}{}; replace it by "
+            fmt::format("found script \"{}\", an animation that is missing here, "
+                        "expected {}{}; replace it by "
                         "conditions of the shapes (DBC, linearVelocity, ...)",
-                        name, quoted_list(known), did_you_mean(name, known)),
+                        name,
+                        quoted_list(known),
+                        did_you_mean(name, known)),
             Error::Code::Unsupported);
     }
 
@@ -73,25 +80,32 @@ class Animation {
 
     void need_shapes(std::size_t count) const {
         if (shapes_.size() < count)
-            script_.animation_words.fail(fmt::format("found {} shapes, expected at least {} for script {}; add shapes",
-                                                     shapes_.size(), count, script_.animation));
+            script_.animation_words.fail(fmt::format(
+                "found {} shapes, expected at least {} for script {}; add shapes",
+                shapes_.size(),
+                count,
+                script_.animation));
     }
 
     void warn(const ScriptWords& place, const std::string& message) {
         script_.warnings.push_back({place.where(), message});
     }
 
-    // ── script null ────────────────────────────────────────────────────────────────────────────
+    // ── script null
+    // ────────────────────────────────────────────────────────────────────────────
 
     void warn_about_reset() {
         for (const PlacedShape& placed : shapes_) {
             const ScriptShape& s = *placed.shape;
-            const bool moves = s.linear || s.angular_deg || !s.dirichlet.empty() || !s.neumann.empty()
-                               || s.velocity != Vector3{} || s.angular_velocity_deg != Vector3{};
+            const bool moves = s.linear || s.angular_deg || !s.dirichlet.empty()
+                            || !s.neumann.empty() || s.velocity != Vector3{}
+                            || s.angular_velocity_deg != Vector3{};
             if (moves)
-                warn(s.place, fmt::format("script {} replaces the velocities and conditions of the shape; they are "
-                                          "ignored",
-                                          script_.animation));
+                warn(s.place,
+                     fmt::format("script {} replaces the velocities and conditions of "
+                                 "the shape; they are "
+                                 "ignored",
+                                 script_.animation));
         }
     }
 
@@ -122,7 +136,8 @@ class Animation {
                        bool dirichlet) {
         BoundaryCondition condition;
         const bool still = c.linear == Vector3{} && c.angular_deg == Vector3{};
-        condition.kind = !dirichlet ? Kind::Acceleration : (still ? Kind::Fixed : Kind::Velocity);
+        condition.kind =
+            !dirichlet ? Kind::Acceleration : (still ? Kind::Fixed : Kind::Velocity);
         condition.selection.kind = Selection::Kind::Box;
         condition.selection.surface_only = placed.elastic;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -136,14 +151,17 @@ class Animation {
         if (condition.t_end > condition.t_begin)
             body_of(placed).boundary.push_back(condition);
         else
-            warn(placed.shape->place, "a condition ends before it begins; it is left out");
+            warn(placed.shape->place,
+                 "a condition ends before it begins; it is left out");
     }
 
-    // ── handles: boxes in the world at the ends along x ────────────────────────────────────────
+    // ── handles: boxes in the world at the ends along x
+    // ────────────────────────────────────────
 
     [[nodiscard]] double range_x() const { return hi_[0] - lo_[0]; }
 
-    /// All vertices with x below (or above) the bound, which itself does not belong to it.
+    /// All vertices with x below (or above) the bound, which itself does not belong to
+    /// it.
     [[nodiscard]] Selection beyond(double bound, bool above) const {
         Selection selection;
         selection.kind = Selection::Kind::Box;
@@ -153,7 +171,8 @@ class Animation {
             selection.box_min[k] = lo_[k] - margin;
             selection.box_max[k] = hi_[k] + margin;
         }
-        (above ? selection.box_min : selection.box_max)[0] = std::nextafter(bound, above ? kForever : -kForever);
+        (above ? selection.box_min : selection.box_max)[0] =
+            std::nextafter(bound, above ? kForever : -kForever);
         return selection;
     }
 
@@ -162,12 +181,14 @@ class Animation {
         bool any = false;
         for (const PlacedShape& placed : shapes_) {
             const Selection& box = condition.selection;
-            const bool in_reach = placed.hi[0] >= box.box_min[0] && placed.lo[0] <= box.box_max[0];
-            const bool selects = placed.copies() > 1
-                                     ? in_reach
-                                     : std::any_of(placed.x.begin(), placed.x.end(), [&](const Vec3d& p) {
-                                           return p.x >= box.box_min[0] && p.x <= box.box_max[0];
-                                       });
+            const bool in_reach =
+                placed.hi[0] >= box.box_min[0] && placed.lo[0] <= box.box_max[0];
+            const bool selects =
+                placed.copies() > 1
+                    ? in_reach
+                    : std::any_of(placed.x.begin(), placed.x.end(), [&](const Vec3d& p) {
+                          return p.x >= box.box_min[0] && p.x <= box.box_max[0];
+                      });
             if (!selects) continue;
             body_of(placed).boundary.push_back(condition);
             any = true;
@@ -182,23 +203,31 @@ class Animation {
             condition.kind = Kind::Velocity;
             condition.selection = beyond(right ? hi_[0] - depth : lo_[0] + depth, right);
             condition.angular_deg = {right ? kTwistDegrees : -kTwistDegrees, 0, 0};
-            condition.center = Vector3{0.5 * (lo_[0] + hi_[0]), 0.5 * (lo_[1] + hi_[1]), 0.5 * (lo_[2] + hi_[2])};
+            condition.center = Vector3{0.5 * (lo_[0] + hi_[0]),
+                                       0.5 * (lo_[1] + hi_[1]),
+                                       0.5 * (lo_[2] + hi_[2])};
             add_to_handles(condition);
         }
     }
 
     void drag_right() {
-        const auto elastic = std::count_if(shapes_.begin(), shapes_.end(), [](const auto& s) { return s.elastic; });
+        const auto elastic = std::count_if(
+            shapes_.begin(), shapes_.end(), [](const auto& s) { return s.elastic; });
         if (shapes_.size() != 1 || elastic != 1 || shapes_[0].copies() != 1)
-            script_.animation_words.fail("found script dragright with several shapes, which is missing here, expected "
-                                         "one shape; keep one, or use linearVelocity",
-                                         Error::Code::Unsupported);
+            script_.animation_words.fail(
+                "found script dragright with several shapes, which is missing here, "
+                "expected "
+                "one shape; keep one, or use linearVelocity",
+                Error::Code::Unsupported);
         BoundaryCondition condition;
         condition.kind = Kind::Velocity;
         condition.selection = beyond(hi_[0] - 0.04 * range_x(), true);
         condition.linear = {0.5, 0, 0};
-        condition.until = Until{.subject = Until::Subject::Body, .axis = 0, .above = true,
-                                .value = right_end_of_obstacles(), .then_hold = false};
+        condition.until = Until{.subject = Until::Subject::Body,
+                                .axis = 0,
+                                .above = true,
+                                .value = right_end_of_obstacles(),
+                                .then_hold = false};
         add_to_handles(condition);
     }
 
@@ -234,7 +263,8 @@ class Animation {
         }
     }
 
-    // ── moving obstacles ───────────────────────────────────────────────────────────────────────
+    // ── moving obstacles
+    // ───────────────────────────────────────────────────────────────────────
 
     void rotate_cylinders() {
         need_shapes(4);
@@ -244,26 +274,34 @@ class Animation {
             BoundaryCondition& condition = body_of(placed).boundary.emplace_back();
             condition.kind = Kind::Velocity;
             condition.angular_deg = kSpeeds[i];
-            condition.center = Vector3{0.5 * (placed.lo[0] + placed.hi[0]), 0.5 * (placed.lo[1] + placed.hi[1]),
+            condition.center = Vector3{0.5 * (placed.lo[0] + placed.hi[0]),
+                                       0.5 * (placed.lo[1] + placed.hi[1]),
                                        0.5 * (placed.lo[2] + placed.hi[2])};
         }
     }
 
-    /// Six planes close in from +-x, +-y, +-z and turn back whenever the first two come close.
+    /// Six planes close in from +-x, +-y, +-z and turn back whenever the first two come
+    /// close.
     void squash_six() {
         need_shapes(6);
-        std::vector<PathKey> keys{PathKey{}};  // of the distance gone, as the x of a translation
+        std::vector<PathKey> keys{
+            PathKey{}};  // of the distance gone, as the x of a translation
         double gone = 0.0;
         double direction = 1.0;
         const double start_gap = shapes_[1].lo[0] - shapes_[0].hi[0];
         for (int step = 0; step < scene_.num_steps(); ++step) {
             if (start_gap - 2.0 * gone < kSquashGap) {
                 direction = -direction;
-                if (step > 0) keys.push_back({.time = step * scene_.dt, .translation = {gone, 0, 0}, .rotation_deg = {}});
+                if (step > 0)
+                    keys.push_back({.time = step * scene_.dt,
+                                    .translation = {gone, 0, 0},
+                                    .rotation_deg = {}});
             }
             gone += direction * scene_.dt;
         }
-        keys.push_back({.time = scene_.num_steps() * scene_.dt, .translation = {gone, 0, 0}, .rotation_deg = {}});
+        keys.push_back({.time = scene_.num_steps() * scene_.dt,
+                        .translation = {gone, 0, 0},
+                        .rotation_deg = {}});
         for (std::size_t i = 0; i < 6; ++i) {
             BoundaryCondition& condition = body_of(shapes_[i]).boundary.emplace_back();
             condition.kind = Kind::Path;
@@ -277,7 +315,8 @@ class Animation {
         }
     }
 
-    /// The obstacles of the second half of the list come down until they are near the first half.
+    /// The obstacles of the second half of the list come down until they are near the
+    /// first half.
     void squash_bed() {
         int total = 0;
         for (const PlacedShape& placed : shapes_)
@@ -294,14 +333,17 @@ class Animation {
             } else if (2 * (before + placed.copies()) <= total + 1) {
                 top_of_still = std::max(top_of_still, placed.hi[1]);
             } else {
-                script_.animation_words.fail("found script DCOSegBedSquash with a shapeMatrix across both halves, which is "
-                                             "missing here, expected two matrices; split it",
-                                             Error::Code::Unsupported);
+                script_.animation_words.fail(
+                    "found script DCOSegBedSquash with a shapeMatrix across both halves, "
+                    "which is "
+                    "missing here, expected two matrices; split it",
+                    Error::Code::Unsupported);
             }
             before += placed.copies();
         }
         int steps = 0;
-        while (steps < scene_.num_steps() && bottom_of_moving - steps * scene_.dt - top_of_still > kSquashGap)
+        while (steps < scene_.num_steps()
+               && bottom_of_moving - steps * scene_.dt - top_of_still > kSquashGap)
             ++steps;
         for (const PlacedShape* placed : moving) {
             if (steps == 0) break;
@@ -328,9 +370,13 @@ class Animation {
 
 }  // namespace
 
-bool animation_lifts(const std::string& animation) { return animation == "fall" || animation == "dragright"; }
+bool animation_lifts(const std::string& animation) {
+    return animation == "fall" || animation == "dragright";
+}
 
-void apply_animation(Script& script, const std::vector<PlacedShape>& shapes, Scene& scene) {
+void apply_animation(Script& script,
+                     const std::vector<PlacedShape>& shapes,
+                     Scene& scene) {
     Animation(script, shapes, scene).apply();
 }
 

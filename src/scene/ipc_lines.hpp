@@ -23,7 +23,9 @@ class ScriptWords {
 
     [[nodiscard]] bool done() const { return next_ >= words_.size(); }
     /// The next word without taking it; empty at the end.
-    [[nodiscard]] std::string peek() const { return done() ? std::string{} : words_[next_]; }
+    [[nodiscard]] std::string peek() const {
+        return done() ? std::string{} : words_[next_];
+    }
     [[nodiscard]] bool number_follows() const;
     std::string word(const char* what);
     double number(const char* what);
@@ -42,14 +44,16 @@ class ScriptWords {
     std::size_t next_ = 0;
 };
 
-/// Walks through a script. `#` starts a comment, `\` at the end of a line joins the next one.
+/// Walks through a script. `#` starts a comment, `\` at the end of a line joins the next
+/// one.
 class ScriptLines {
   public:
     ScriptLines(std::string file, const std::string& text);
 
     /// The next line that has words; false at the end.
     bool next(ScriptWords& words);
-    /// `count` numbers from the lines that follow; what stands after the last of them is a line.
+    /// `count` numbers from the lines that follow; what stands after the last of them is
+    /// a line.
     std::vector<double> numbers(int count, const ScriptWords& opening);
 
   private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the script to the scene: placements, materials, settings. Animations: ipc_animation.cpp.
+/// From the script to the scene: placements, materials, settings. Animations:
+/// ipc_animation.cpp.
 #include "scene/ipc_script.hpp"
 
 #include "mesh/source.hpp"
@@ -7,11 +8,10 @@
 #include "scene/ipc_script_data.hpp"
 #include "scene/suggest.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -40,7 +40,9 @@ struct Box {
         add({low[0], low[1], low[2]});
         add({high[0], high[1], high[2]});
     }
-    [[nodiscard]] Vector3 extent() const { return {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}; }
+    [[nodiscard]] Vector3 extent() const {
+        return {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]};
+    }
     [[nodiscard]] double diagonal() const {
         const Vector3 e = extent();
         return std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
@@ -52,7 +54,10 @@ struct Box {
 };
 
 /// The box of the copies of a box on a grid.
-void add_copies(Box& box, const Box& one, const std::array<int, 3>& grid, const Vector3& spacing) {
+void add_copies(Box& box,
+                const Box& one,
+                const std::array<int, 3>& grid,
+                const Vector3& spacing) {
     Vector3 lo = one.lo;
     Vector3 hi = one.hi;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -68,41 +73,54 @@ class ScriptFiles {
   public:
     explicit ScriptFiles(const std::string& script) {
         std::error_code ec;
-        script_folder_ = fs::absolute(script, ec).parent_path().lexically_normal().string();
+        script_folder_ =
+            fs::absolute(script, ec).parent_path().lexically_normal().string();
     }
 
     /// The path to write into the scene: relative to the base folder if it lies there.
-    std::string locate(const std::string& path, const ScriptWords& place, bool folder = false) {
+    std::string locate(const std::string& path,
+                       const ScriptWords& place,
+                       bool folder = false) {
         std::string searched;
         for (fs::path root = script_folder_;; root = root.parent_path()) {
             const std::string full = resolve_path(path, root.string());
             std::error_code ec;
-            const bool found = folder ? fs::is_directory(full, ec) : mesh_file_exists(full);
+            const bool found =
+                folder ? fs::is_directory(full, ec) : mesh_file_exists(full);
             if (found) return named(path, root.string());
             if (root == root.parent_path()) break;
         }
         std::vector<std::string> siblings;
         std::error_code ec;
-        const fs::path around = fs::path(resolve_path(path, base_.value_or(script_folder_))).parent_path();
+        const fs::path around =
+            fs::path(resolve_path(path, base_.value_or(script_folder_))).parent_path();
         for (const auto& entry : fs::directory_iterator(around, ec))
             siblings.push_back(entry.path().filename().string());
-        place.fail(fmt::format("found no file \"{}\" beside the script or in a folder above it, expected a mesh{}; "
-                               "correct the path or add the file",
-                               path, did_you_mean(fs::path(path).filename().string(), siblings)),
-                   Error::Code::FileNotReadable);
+        place.fail(
+            fmt::format("found no file \"{}\" beside the script or in a folder above it, "
+                        "expected a mesh{}; "
+                        "correct the path or add the file",
+                        path,
+                        did_you_mean(fs::path(path).filename().string(), siblings)),
+            Error::Code::FileNotReadable);
     }
 
     const Mesh& load(const std::string& path, const ScriptWords& place) {
         const std::string full = resolve_path(path, base_folder());
-        if (const auto known = meshes_.find(full); known != meshes_.end()) return known->second;
+        if (const auto known = meshes_.find(full); known != meshes_.end())
+            return known->second;
         MeshSource source;
         source.file = path;
         Result<Mesh> mesh = load_body_mesh(source, base_folder());
-        if (!mesh) place.fail(mesh.error().where + ": " + mesh.error().message, mesh.error().code);
+        if (!mesh)
+            place.fail(mesh.error().where + ": " + mesh.error().message,
+                       mesh.error().code);
         return meshes_.emplace(full, std::move(mesh.value())).first->second;
     }
 
-    [[nodiscard]] std::string base_folder() const { return base_.value_or(script_folder_); }
+    [[nodiscard]] std::string base_folder() const {
+        return base_.value_or(script_folder_);
+    }
 
   private:
     std::string named(const std::string& path, const std::string& root) {
@@ -123,10 +141,13 @@ class Converter {
 
     Scene convert() {
         scene_.name = fs::path(script_.file).stem().string();
-        scene_.description = "Converted from the IPC script " + fs::path(script_.file).filename().string();
+        scene_.description =
+            "Converted from the IPC script " + fs::path(script_.file).filename().string();
         if (script_.shapes.empty())
-            throw ScriptFailure{{Error::Code::InvalidScene, script_.file,
-                                 "found no shapes, expected at least one; add \"shapes input 1\" and a line for it"}};
+            throw ScriptFailure{{Error::Code::InvalidScene,
+                                 script_.file,
+                                 "found no shapes, expected at least one; add \"shapes "
+                                 "input 1\" and a line for it"}};
         load_shapes();
         place_shapes();
         for (ScriptObstacle& obstacle : script_.obstacles)
@@ -141,7 +162,9 @@ class Converter {
         return std::move(scene_);
     }
 
-    [[nodiscard]] const std::vector<SceneWarning>& warnings() const { return script_.warnings; }
+    [[nodiscard]] const std::vector<SceneWarning>& warnings() const {
+        return script_.warnings;
+    }
 
   private:
     /// Copies of a grid that rotateModel turns no longer lie along the axes.
@@ -176,27 +199,37 @@ class Converter {
             Body body;
             body.name = unique_name(fs::path(path).stem().string());
             body.mesh.file = path;
-            body.transform = make_affine(shape.scale, shape.rotation_deg, shape.translation);
+            body.transform =
+                make_affine(shape.scale, shape.rotation_deg, shape.translation);
             body.friction = script_.self_friction;
             body.grid = shape.grid;
             if (determinant(body.transform) == 0.0)
-                shape.place.fail("found a scale of 0, expected other numbers; correct the scale");
+                shape.place.fail(
+                    "found a scale of 0, expected other numbers; correct the scale");
             if (!mesh.tets.empty()) set_material(body, shape);
-            placed_.push_back({.shape = &shape, .body = scene_.bodies.size(), .elastic = !mesh.tets.empty(),
-                               .x = mesh.x, .lo = {}, .hi = {}});
+            placed_.push_back({.shape = &shape,
+                               .body = scene_.bodies.size(),
+                               .elastic = !mesh.tets.empty(),
+                               .x = mesh.x,
+                               .lo = {},
+                               .hi = {}});
             scene_.bodies.push_back(body);
         }
     }
 
     void set_material(Body& body, const ScriptShape& shape) {
         const ScriptMaterial& m = shape.material ? *shape.material : script_.material;
-        body.material = {.model = script_.energy, .density = m.density, .young = m.young, .poisson = m.poisson,
+        body.material = {.model = script_.energy,
+                         .density = m.density,
+                         .young = m.young,
+                         .poisson = m.poisson,
                          .gipc_lame = false};
     }
 
     Body& body_of(const PlacedShape& placed) { return scene_.bodies[placed.body]; }
 
-    /// Box of the shapes (all, or the elastic ones) with the transforms that the bodies have now.
+    /// Box of the shapes (all, or the elastic ones) with the transforms that the bodies
+    /// have now.
     Box box_of_shapes(bool elastic_only, double spacing_scale) {
         Box all;
         for (const PlacedShape& placed : placed_) {
@@ -212,11 +245,14 @@ class Converter {
         return all;
     }
 
-    /// rotateModel, size and the initial lift, in this order; they change the placement only, so the
-    /// length scale comes from the boxes of the shapes as the file places them.
+    /// rotateModel, size and the initial lift, in this order; they change the placement
+    /// only, so the length scale comes from the boxes of the shapes as the file places
+    /// them.
     void place_shapes() {
-        const bool any_elastic = std::any_of(placed_.begin(), placed_.end(), [](const auto& p) { return p.elastic; });
-        const double rest_diagonal = any_elastic ? box_of_shapes(true, 1.0).diagonal() : 0.0;
+        const bool any_elastic = std::any_of(
+            placed_.begin(), placed_.end(), [](const auto& p) { return p.elastic; });
+        const double rest_diagonal =
+            any_elastic ? box_of_shapes(true, 1.0).diagonal() : 0.0;
         if (script_.rotation) rotate_shapes();
 
         const Box box = box_of_shapes(false, 1.0);
@@ -233,16 +269,19 @@ class Converter {
             Body& body = body_of(placed);
             body.transform = scaled_and_moved(body.transform, scale, shift);
             for (std::size_t k = 0; k < 3; ++k)
-                body.grid_spacing[k] = body.grid[k] > 1 ? scale * placed.shape->spacing[k] : 0.0;
+                body.grid_spacing[k] =
+                    body.grid[k] > 1 ? scale * placed.shape->spacing[k] : 0.0;
             finish_placement(placed, body);
         }
     }
 
-    /// Turns about half the extent of the box, as the original does: its centre only if the box
-    /// starts at 0. `size` removes the difference, otherwise it is part of the placement.
+    /// Turns about half the extent of the box, as the original does: its centre only if
+    /// the box starts at 0. `size` removes the difference, otherwise it is part of the
+    /// placement.
     void rotate_shapes() {
         const Vector3 extent = box_of_shapes(false, 1.0).extent();
-        const Affine turn = make_rotation(script_.rotation->axis, script_.rotation->degrees);
+        const Affine turn =
+            make_rotation(script_.rotation->axis, script_.rotation->degrees);
         const Vec3d center{0.5 * extent[0], 0.5 * extent[1], 0.5 * extent[2]};
         const Vec3d turned = apply_affine(turn, center);
         Affine about = turn;
@@ -275,27 +314,34 @@ class Converter {
             mean += p;
         }
         const double scale = obstacle.scale / box.largest_extent();
-        const Vec3d turned = apply_affine(turn, (1.0 / static_cast<double>(mesh.x.size())) * mean);
+        const Vec3d turned =
+            apply_affine(turn, (1.0 / static_cast<double>(mesh.x.size())) * mean);
         Body body;
         body.name = unique_name(fs::path(path).stem().string());
         body.mesh.file = path;
-        body.transform = scaled_and_moved(turn, scale,
-                                          {obstacle.origin[0] - scale * turned.x, obstacle.origin[1] - scale * turned.y,
+        body.transform = scaled_and_moved(turn,
+                                          scale,
+                                          {obstacle.origin[0] - scale * turned.x,
+                                           obstacle.origin[1] - scale * turned.y,
                                            obstacle.origin[2] - scale * turned.z});
         obstacle.right_end = -kInfinity;
         for (const Vec3d& p : mesh.x)
-            obstacle.right_end = std::max(obstacle.right_end, apply_affine(body.transform, p).x);
+            obstacle.right_end =
+                std::max(obstacle.right_end, apply_affine(body.transform, p).x);
         body.friction = obstacle.friction;
         scene_.bodies.push_back(body);
         // Two bodies use the larger coefficient; here the obstacle's own counts.
         if (obstacle.friction < script_.self_friction)
-            scene_.contact.pairs.push_back({"*", body.name, obstacle.friction, std::nullopt});
+            scene_.contact.pairs.push_back(
+                {"*", body.name, obstacle.friction, std::nullopt});
     }
 
-    /// meshSeq: files 0, 1, ... with the extension of the shape, as far as the steps need them.
+    /// meshSeq: files 0, 1, ... with the extension of the shape, as far as the steps need
+    /// them.
     void add_sequence(const PlacedShape& placed) {
         const ScriptShape& shape = *placed.shape;
-        const std::string folder = files_.locate(shape.sequence_folder, shape.place, true);
+        const std::string folder =
+            files_.locate(shape.sequence_folder, shape.place, true);
         const std::string extension = fs::path(shape.path).extension().string();
         BoundaryCondition condition;
         condition.kind = BoundaryCondition::Kind::Sequence;
@@ -305,8 +351,12 @@ class Converter {
             condition.sequence.push_back(file);
         }
         if (condition.sequence.empty())
-            shape.place.fail(fmt::format("found no file \"0{}\" in {}, expected one per step; add them", extension, folder),
-                             Error::Code::FileNotReadable);
+            shape.place.fail(
+                fmt::format(
+                    "found no file \"0{}\" in {}, expected one per step; add them",
+                    extension,
+                    folder),
+                Error::Code::FileNotReadable);
         body_of(placed).boundary.push_back(condition);
     }
 
@@ -314,10 +364,12 @@ class Converter {
         scene_.duration = script_.duration;
         scene_.dt = script_.dt;
         scene_.gravity = script_.gravity ? Vector3{0, -9.80665, 0} : Vector3{0, 0, 0};
-        // The original multiplies the elastic Hessian by dampingStiff / dt, ours by beta dt.
+        // The original multiplies the elastic Hessian by dampingStiff / dt, ours by beta
+        // dt.
         const double dt = script_.dt;
-        scene_.damping.stiffness = script_.damping_ratio ? 0.75 * *script_.damping_ratio * dt
-                                                         : script_.damping_stiff / (dt * dt);
+        scene_.damping.stiffness = script_.damping_ratio
+                                     ? 0.75 * *script_.damping_ratio * dt
+                                     : script_.damping_stiff / (dt * dt);
     }
 
     void set_contact() {
@@ -332,16 +384,26 @@ class Converter {
         contact.friction_iterations = script_.friction_iterations;
         contact.kappa_min_multiplier = script_.kappa_min_multiplier;
         if (script_.tuning[0] != 0.0)
-            throw ScriptFailure{{Error::Code::Unsupported, script_.file,
-                                 "found a fixed contact stiffness (first number of \"tuning\"), whose scale belongs to "
-                                 "the other program; write 0 for an adaptive one, or set contact.kappa in JSON"}};
-        if (script_.tuning[1] != script_.tuning[2] || script_.tuning[4] != script_.tuning[5])
-            script_.warnings.push_back({script_.file, "dHat and epsv start at their target values: their homotopy "
-                                                      "within a step is not done"});
+            throw ScriptFailure{{Error::Code::Unsupported,
+                                 script_.file,
+                                 "found a fixed contact stiffness (first number of "
+                                 "\"tuning\"), whose scale belongs to "
+                                 "the other program; write 0 for an adaptive one, or set "
+                                 "contact.kappa in JSON"}};
+        if (script_.tuning[1] != script_.tuning[2]
+            || script_.tuning[4] != script_.tuning[5])
+            script_.warnings.push_back(
+                {script_.file,
+                 "dHat and epsv start at their target values: their homotopy "
+                 "within a step is not done"});
         if (!(contact.dhat > 0.0 && contact.epsv > 0.0))
-            throw ScriptFailure{{Error::Code::InvalidScene, script_.file,
-                                 fmt::format("found dHat {} and epsv {}, expected both > 0; correct \"tuning\"",
-                                             contact.dhat, contact.epsv)}};
+            throw ScriptFailure{
+                {Error::Code::InvalidScene,
+                 script_.file,
+                 fmt::format(
+                     "found dHat {} and epsv {}, expected both > 0; correct \"tuning\"",
+                     contact.dhat,
+                     contact.epsv)}};
         if (!script_.self_collision) disable_contact_of_shapes();
     }
 
@@ -356,7 +418,10 @@ class Converter {
         for (std::size_t i = 0; i < placed_.size(); ++i)
             for (std::size_t j = i; j < placed_.size(); ++j)
                 if (i != j || placed_[i].copies() > 1)
-                    contact.pairs.push_back({body_of(placed_[i]).name, body_of(placed_[j]).name, std::nullopt, false});
+                    contact.pairs.push_back({body_of(placed_[i]).name,
+                                             body_of(placed_[j]).name,
+                                             std::nullopt,
+                                             false});
     }
 
     void set_solver() {
@@ -367,9 +432,13 @@ class Converter {
         solver.tolerance_absolute = script_.absolute;
         solver.tolerance = script_.tolerances.front();
         if (script_.tolerances.size() > 1) solver.tolerance_per_step = script_.tolerances;
-        if (std::any_of(script_.tolerances.begin(), script_.tolerances.end(), [](double t) { return !(t > 0); }))
-            throw ScriptFailure{{Error::Code::InvalidScene, script_.file,
-                                 "found a tolerance that is not positive, expected > 0; correct \"tol\""}};
+        if (std::any_of(script_.tolerances.begin(),
+                        script_.tolerances.end(),
+                        [](double t) { return !(t > 0); }))
+            throw ScriptFailure{{Error::Code::InvalidScene,
+                                 script_.file,
+                                 "found a tolerance that is not positive, expected > 0; "
+                                 "correct \"tol\""}};
     }
 
     Script script_;
@@ -381,14 +450,17 @@ class Converter {
 
 }  // namespace
 
-Result<Scene> read_ipc_script(const std::string& path, std::vector<SceneWarning>* warnings) {
+Result<Scene> read_ipc_script(const std::string& path,
+                              std::vector<SceneWarning>* warnings) {
     std::ifstream in(path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     try {
         Converter converter(parse_script(path, text));
         Scene scene = converter.convert();
         if (warnings != nullptr)
-            warnings->insert(warnings->end(), converter.warnings().begin(), converter.warnings().end());
+            warnings->insert(warnings->end(),
+                             converter.warnings().begin(),
+                             converter.warnings().end());
         return scene;
     } catch (const ScriptFailure& failure) {
         return failure.error;

@@ -20,7 +20,8 @@ struct ScriptMaterial {
     double poisson = 0.4;
 };
 
-/// Box in units of the untransformed mesh's bounding box, and what happens to its surface vertices.
+/// Box in units of the untransformed mesh's bounding box, and what happens to its surface
+/// vertices.
 struct ScriptCondition {
     Vector3 box_min{}, box_max{};
     Vector3 linear{};       ///< velocity (DBC, m/s) or acceleration (NBC, m/s^2)
@@ -98,16 +99,21 @@ Script parse_script(const std::string& file, const std::string& text);
 /// A shape with its mesh, placed as at the start of the simulation.
 struct PlacedShape {
     const ScriptShape* shape = nullptr;
-    std::size_t body = 0;        ///< index in scene.bodies
+    std::size_t body = 0;  ///< index in scene.bodies
     bool elastic = false;
-    std::vector<Vec3d> x;      ///< vertices of the first copy, m
-    Vector3 lo{}, hi{};          ///< bounding box of all copies, m
-    [[nodiscard]] int copies() const { return shape->grid[0] * shape->grid[1] * shape->grid[2]; }
+    std::vector<Vec3d> x;  ///< vertices of the first copy, m
+    Vector3 lo{}, hi{};    ///< bounding box of all copies, m
+    [[nodiscard]] int copies() const {
+        return shape->grid[0] * shape->grid[1] * shape->grid[2];
+    }
 };
 
-/// Adds the boundary conditions and velocities of the script's animation to the bodies of the scene,
-/// which are placed already; what it leaves out becomes a warning of the script. Throws ScriptFailure.
-void apply_animation(Script& script, const std::vector<PlacedShape>& shapes, Scene& scene);
+/// Adds the boundary conditions and velocities of the script's animation to the bodies of
+/// the scene, which are placed already; what it leaves out becomes a warning of the
+/// script. Throws ScriptFailure.
+void apply_animation(Script& script,
+                     const std::vector<PlacedShape>& shapes,
+                     Scene& scene);
 
 /// Whether the animation lifts all shapes by half their diagonal at the start.
 bool animation_lifts(const std::string& animation);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/json_text.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <fmt/format.h>
 #include <set>
 #include <vector>
 
@@ -16,15 +15,23 @@ class DuplicateKeys {
   public:
     void operator()(Json::parse_event_t event, const Json& parsed) {
         switch (event) {
-            case Json::parse_event_t::object_start: frames_.push_back({.is_array = false}); break;
-            case Json::parse_event_t::array_start: frames_.push_back({.is_array = true}); break;
-            case Json::parse_event_t::key: enter_key(parsed.get<std::string>()); break;
+            case Json::parse_event_t::object_start:
+                frames_.push_back({.is_array = false});
+                break;
+            case Json::parse_event_t::array_start:
+                frames_.push_back({.is_array = true});
+                break;
+            case Json::parse_event_t::key:
+                enter_key(parsed.get<std::string>());
+                break;
             case Json::parse_event_t::object_end:
             case Json::parse_event_t::array_end:
                 frames_.pop_back();
                 next_element();
                 break;
-            case Json::parse_event_t::value: next_element(); break;
+            case Json::parse_event_t::value:
+                next_element();
+                break;
         }
     }
 
@@ -46,7 +53,8 @@ class DuplicateKeys {
         if (frame.keys.insert(key).second || !pointer_.empty()) return;
         key_ = key;
         for (const Frame& f : frames_)
-            pointer_ += "/" + (f.is_array ? std::to_string(f.index) : escape_pointer(f.key));
+            pointer_ +=
+                "/" + (f.is_array ? std::to_string(f.index) : escape_pointer(f.key));
     }
 
     void next_element() {
@@ -76,9 +84,11 @@ std::string line_and_column(const std::string& text, std::size_t byte) {
 std::string plain_sentence(const std::string& what) {
     std::string text = what;
     if (const auto at = text.find("] "); at != std::string::npos) text.erase(0, at + 2);
-    if (const auto at = text.find(": "); text.starts_with("parse error") && at != std::string::npos)
+    if (const auto at = text.find(": ");
+        text.starts_with("parse error") && at != std::string::npos)
         text.erase(0, at + 2);
-    for (std::size_t at = text.find("; last read:"); at != std::string::npos; at = std::string::npos)
+    for (std::size_t at = text.find("; last read:"); at != std::string::npos;
+         at = std::string::npos)
         text.replace(at, 12, "; read so far:");
     return text;
 }
@@ -90,7 +100,8 @@ const char* syntax_cure(const std::string& text, std::size_t byte) {
         --i;
     if (i == 0) return "; write a scene as { \"format_version\": 1, ... }";
     if (closes && text[i - 1] == ',') return "; remove the comma before this bracket";
-    if (byte > text.size()) return "; the text ends too early: close every bracket and quote";
+    if (byte > text.size())
+        return "; the text ends too early: close every bracket and quote";
     return "; check for a missing comma, colon, quote or bracket just before this place";
 }
 
@@ -99,7 +110,8 @@ constexpr int kLineWidth = 100;
 std::string print_number(const Json& value) {
     if (!value.is_number_float()) return value.dump();
     const double number = value.get<double>();
-    if (number == 0.0 && std::signbit(number)) return "-0.0";  // "-0" would read as a whole number
+    if (number == 0.0 && std::signbit(number))
+        return "-0.0";  // "-0" would read as a whole number
     return fmt::format("{}", number);
 }
 
@@ -158,21 +170,24 @@ Result<Json> parse_json(const std::string& text, const std::string& file) {
     try {
         Json tree = Json::parse(text, follow, true, true);
         if (duplicates.pointer().empty()) return tree;
-        return Error{Error::Code::InvalidScene,
-                     file + ":" + duplicates.pointer(),
-                     fmt::format("found the key \"{}\" twice in one object, expected it once; remove "
-                                 "one of the two",
-                                 duplicates.key())};
+        return Error{
+            Error::Code::InvalidScene,
+            file + ":" + duplicates.pointer(),
+            fmt::format(
+                "found the key \"{}\" twice in one object, expected it once; remove "
+                "one of the two",
+                duplicates.key())};
     } catch (const Json::parse_error& e) {
         return Error{Error::Code::InvalidScene,
                      file + ":" + line_and_column(text, e.byte),
-                     "found text that is not JSON (" + plain_sentence(e.what()) + "), expected JSON"
-                         + syntax_cure(text, e.byte)};
-    } catch (const Json::exception& e) {  // a number out of the range of doubles
-        return Error{Error::Code::InvalidScene,
-                     file,
                      "found text that is not JSON (" + plain_sentence(e.what())
-                         + "), expected JSON with numbers below 1.8e308; correct the number"};
+                         + "), expected JSON" + syntax_cure(text, e.byte)};
+    } catch (const Json::exception& e) {  // a number out of the range of doubles
+        return Error{
+            Error::Code::InvalidScene,
+            file,
+            "found text that is not JSON (" + plain_sentence(e.what())
+                + "), expected JSON with numbers below 1.8e308; correct the number"};
     }
 }
 

@@ -13,18 +13,24 @@ namespace noli {
 namespace {
 
 constexpr const char* kFileDoc =
-    "Mesh file (.msh, .node/.ele, .mesh, .obj, .ply, .stl, .seg, .pt), relative to base_folder.";
+    "Mesh file (.msh, .node/.ele, .mesh, .obj, .ply, .stl, .seg, .pt), relative to "
+    "base_folder.";
 using Kind = GeneratorParameter::Kind;
-constexpr const char* kFixDoc = "Turn inverted tetrahedra around instead of refusing the mesh.";
+constexpr const char* kFixDoc =
+    "Turn inverted tetrahedra around instead of refusing the mesh.";
 
 NumberSpec number_spec(const GeneratorParameter& p) {
-    if (p.kind == Kind::Length) return {.unit = kLength, .above = 0, .at_most = p.at_most, .doc = p.doc};
-    if (p.kind == Kind::LengthOrZero) return {.unit = kLength, .at_least = 0, .at_most = p.at_most, .doc = p.doc};
+    if (p.kind == Kind::Length)
+        return {.unit = kLength, .above = 0, .at_most = p.at_most, .doc = p.doc};
+    if (p.kind == Kind::LengthOrZero)
+        return {.unit = kLength, .at_least = 0, .at_most = p.at_most, .doc = p.doc};
     return {.at_least = p.at_least, .at_most = p.at_most, .doc = p.doc};
 }
 
 IntSpec count_spec(const GeneratorParameter& p) {
-    return {.at_least = static_cast<int>(p.at_least), .at_most = static_cast<int>(p.at_most), .doc = p.doc};
+    return {.at_least = static_cast<int>(p.at_least),
+            .at_most = static_cast<int>(p.at_most),
+            .doc = p.doc};
 }
 
 std::optional<double> read_value(ReadContext& context,
@@ -33,8 +39,11 @@ std::optional<double> read_value(ReadContext& context,
                                  const GeneratorParameter& p) {
     if (p.kind == Kind::Flag) {
         if (json.is_boolean()) return json.get<bool>() ? 1.0 : 0.0;
-        context.fail(pointer, fmt::format("found {}, expected true or false; write one of them without quotes",
-                                          found_value(json)));
+        context.fail(
+            pointer,
+            fmt::format(
+                "found {}, expected true or false; write one of them without quotes",
+                found_value(json)));
         return std::nullopt;
     }
     if (p.kind != Kind::Count) return read_number(context, json, pointer, number_spec(p));
@@ -50,13 +59,18 @@ void read_parameter(ReadContext& context,
     const std::size_t size = p.fallback.size();
     std::vector<double> values;
     if (size == 1) {
-        if (const auto value = read_value(context, json, pointer, p)) values.push_back(*value);
+        if (const auto value = read_value(context, json, pointer, p))
+            values.push_back(*value);
     } else if (!json.is_array() || json.size() != size) {
-        context.fail(pointer, fmt::format("found {}, expected a list of {} numbers; correct the list",
-                                          found_value(json), size));
+        context.fail(
+            pointer,
+            fmt::format("found {}, expected a list of {} numbers; correct the list",
+                        found_value(json),
+                        size));
     } else {
         for (std::size_t i = 0; i < size; ++i)
-            if (const auto value = read_value(context, json[i], pointer + "/" + std::to_string(i), p))
+            if (const auto value =
+                    read_value(context, json[i], pointer + "/" + std::to_string(i), p))
                 values.push_back(*value);
     }
     if (values.size() == size) mesh.parameters.emplace_back(p.name, values);
@@ -84,7 +98,9 @@ Json value_schema(const GeneratorParameter& p) {
 Json parameter_schema(const GeneratorParameter& p) {
     const std::size_t size = p.fallback.size();
     Json shape = value_schema(p);
-    if (size > 1) shape = Json{{"type", "array"}, {"items", shape}, {"minItems", size}, {"maxItems", size}};
+    if (size > 1)
+        shape = Json{
+            {"type", "array"}, {"items", shape}, {"minItems", size}, {"maxItems", size}};
     Json schema{{"description", p.doc}};
     for (const auto& [key, value] : shape.items())
         schema[key] = value;
@@ -104,7 +120,9 @@ void read_generator(ObjectReader& reader, const Json& json, MeshSource& mesh) {
         for (const GeneratorEntry& g : generator_table())
             names.emplace_back(g.name);
         reader.context().fail(reader.at("generator"),
-                              fmt::format("found {}, expected {}{}", found_value(word), quoted_list(names),
+                              fmt::format("found {}, expected {}{}",
+                                          found_value(word),
+                                          quoted_list(names),
                                           did_you_mean(mesh.generator, names)));
         for (const auto& [key, value] : json.items())
             reader.take(key.c_str());  // cannot be judged without the generator
@@ -115,14 +133,19 @@ void read_generator(ObjectReader& reader, const Json& json, MeshSource& mesh) {
         reader.take(p.name);
         known.push_back(&p);
     }
-    for (const auto& [key, value] : json.items())  // in the order of the file, so that writing keeps it
+    for (const auto& [key, value] :
+         json.items())  // in the order of the file, so that writing keeps it
         for (const GeneratorParameter* p : known)
-            if (key == p->name) read_parameter(reader.context(), value, reader.at(key), *p, mesh);
+            if (key == p->name)
+                read_parameter(reader.context(), value, reader.at(key), *p, mesh);
 }
 
 }  // namespace
 
-void MeshForm::read(ReadContext& context, const Json& json, const std::string& pointer, MeshSource& mesh) {
+void MeshForm::read(ReadContext& context,
+                    const Json& json,
+                    const std::string& pointer,
+                    MeshSource& mesh) {
     if (json.is_string()) {
         mesh.file = json.get<std::string>();
         check_file(context, mesh.file, pointer);
@@ -137,9 +160,13 @@ void MeshForm::read(ReadContext& context, const Json& json, const std::string& p
     reader.boolean("fix_orientation", mesh.fix_orientation, false, kFixDoc);
     reader.always();
     if (json.is_object() && has_file == has_generator)
-        context.fail(pointer, fmt::format("found {} \"file\" {} \"generator\", expected one of the two; {} one",
-                                          has_file ? "both" : "neither", has_file ? "and" : "nor",
-                                          has_file ? "remove" : "add"));
+        context.fail(
+            pointer,
+            fmt::format(
+                "found {} \"file\" {} \"generator\", expected one of the two; {} one",
+                has_file ? "both" : "neither",
+                has_file ? "and" : "nor",
+                has_file ? "remove" : "add"));
     else if (has_file && json.at("file").is_string())
         check_file(context, mesh.file, reader.at("file"));
     if (has_generator) read_generator(reader, json, mesh);
@@ -165,9 +192,11 @@ Json MeshForm::write(const MeshSource& mesh) {
 
 Json MeshForm::schema() {
     Json file{{"file", {{"description", kFileDoc}, {"type", "string"}, {"minLength", 1}}},
-              {"fix_orientation", {{"description", kFixDoc}, {"type", "boolean"}, {"default", false}}}};
+              {"fix_orientation",
+               {{"description", kFixDoc}, {"type", "boolean"}, {"default", false}}}};
     Json forms = Json::array();
-    forms.push_back(Json{{"description", kFileDoc}, {"type", "string"}, {"minLength", 1}});
+    forms.push_back(
+        Json{{"description", kFileDoc}, {"type", "string"}, {"minLength", 1}});
     forms.push_back(object_schema(file, {"file"}));
     for (const GeneratorEntry& entry : generator_table()) {
         Json properties;

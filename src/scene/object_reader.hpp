@@ -12,8 +12,8 @@
 
 namespace noli {
 
-/// A number within its bounds, given plainly or as text with a unit. Complains and returns nothing
-/// otherwise. `used_unit` tells whether it was text.
+/// A number within its bounds, given plainly or as text with a unit. Complains and
+/// returns nothing otherwise. `used_unit` tells whether it was text.
 std::optional<double> read_number(ReadContext& context,
                                   const Json& value,
                                   const std::string& pointer,
@@ -31,7 +31,9 @@ std::optional<Vector3> read_vector(ReadContext& context,
                                    const NumberSpec& spec);
 
 /// The path of a file that a scene names; complains if there is none.
-bool check_file(ReadContext& context, const std::string& path, const std::string& pointer);
+bool check_file(ReadContext& context,
+                const std::string& path,
+                const std::string& pointer);
 
 class ObjectReader {
   public:
@@ -39,10 +41,16 @@ class ObjectReader {
     ObjectReader(ReadContext& context, const Json& json, std::string pointer);
 
     void number(const char* key, double& value, double fallback, const NumberSpec& spec);
-    void vector(const char* key, Vector3& value, const Vector3& fallback, const NumberSpec& spec);
+    void vector(const char* key,
+                Vector3& value,
+                const Vector3& fallback,
+                const NumberSpec& spec);
     void integer(const char* key, int& value, int fallback, const IntSpec& spec);
     void boolean(const char* key, bool& value, bool fallback, const char* doc);
-    void text(const char* key, std::string& value, const std::string& fallback, const char* doc);
+    void text(const char* key,
+              std::string& value,
+              const std::string& fallback,
+              const char* doc);
     void numbers(const char* key, std::vector<double>& values, const NumberSpec& spec);
     void integers(const char* key, std::vector<int>& values, const IntSpec& spec);
     void texts(const char* key,
@@ -53,10 +61,15 @@ class ObjectReader {
     void files(const char* key, std::vector<std::string>& values, const char* doc);
 
     /// A number that is relative, unless it has a unit or `<key>_absolute` is true.
-    void scaled(const char* key, double& value, bool& absolute, double fallback, const NumberSpec& spec);
+    void scaled(const char* key,
+                double& value,
+                bool& absolute,
+                double fallback,
+                const NumberSpec& spec);
 
     template <class E>
-    void choice(const char* key, E& value, E, std::span<const Choice<E>> choices, const char*) {
+    void choice(
+        const char* key, E& value, E, std::span<const Choice<E>> choices, const char*) {
         std::vector<std::string> names;
         for (const Choice<E>& c : choices)
             names.emplace_back(c.name);
@@ -64,11 +77,15 @@ class ObjectReader {
         if (index >= 0) value = choices[static_cast<std::size_t>(index)].value;
     }
 
-    void maybe_number(const char* key, std::optional<double>& value, const NumberSpec& spec) {
+    void maybe_number(const char* key,
+                      std::optional<double>& value,
+                      const NumberSpec& spec) {
         const Json* json = take(key);
         if (json != nullptr) value = read_number(context_, *json, at(key), spec);
     }
-    void maybe_vector(const char* key, std::optional<Vector3>& value, const NumberSpec& spec) {
+    void maybe_vector(const char* key,
+                      std::optional<Vector3>& value,
+                      const NumberSpec& spec) {
         const Json* json = take(key);
         if (json != nullptr) value = read_vector(context_, *json, at(key), spec);
     }
@@ -90,7 +107,8 @@ class ObjectReader {
         const Json* json = take(key);
         if (json == nullptr || !expect_array(key, *json)) return;
         for (std::size_t i = 0; i < json->size(); ++i)
-            read_into(items.emplace_back(), (*json)[i], at(key) + "/" + std::to_string(i));
+            read_into(
+                items.emplace_back(), (*json)[i], at(key) + "/" + std::to_string(i));
     }
 
     /// A key with a form of its own: Form::read(context, json, pointer, value).
@@ -103,7 +121,8 @@ class ObjectReader {
     /// The key must be there; `cure` says what to write.
     void required(const char* key, const char* cure);
 
-    /// Until the next call, keys are accepted only if `used`; `why` completes "has a meaning only ...".
+    /// Until the next call, keys are accepted only if `used`; `why` completes "has a
+    /// meaning only ...".
     void only_if(bool used, const char* why) {
         used_ = used;
         why_ = why;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Writes one JSON object key by key, leaving out defaults; see field_spec.hpp for the idea.
+/// Writes one JSON object key by key, leaving out defaults; see field_spec.hpp for the
+/// idea.
 
 #include "noli/scene.hpp"
 
@@ -21,7 +22,10 @@ class ObjectWriter {
     void number(const char* key, double& value, double fallback, const NumberSpec&) {
         if (!same_bits(value, fallback)) put(key, value);
     }
-    void vector(const char* key, Vector3& value, const Vector3& fallback, const NumberSpec&) {
+    void vector(const char* key,
+                Vector3& value,
+                const Vector3& fallback,
+                const NumberSpec&) {
         bool same = true;
         for (std::size_t k = 0; k < 3; ++k)
             same = same && same_bits(value[k], fallback[k]);
@@ -33,7 +37,10 @@ class ObjectWriter {
     void boolean(const char* key, bool& value, bool fallback, const char*) {
         if (value != fallback) put(key, value);
     }
-    void text(const char* key, std::string& value, const std::string& fallback, const char*) {
+    void text(const char* key,
+              std::string& value,
+              const std::string& fallback,
+              const char*) {
         if (value != fallback) put(key, value);
     }
     void numbers(const char* key, std::vector<double>& values, const NumberSpec&) {
@@ -52,13 +59,21 @@ class ObjectWriter {
     void files(const char* key, std::vector<std::string>& values, const char*) {
         if (!values.empty()) put(key, values);
     }
-    void scaled(const char* key, double& value, bool& absolute, double fallback, const NumberSpec& spec) {
+    void scaled(const char* key,
+                double& value,
+                bool& absolute,
+                double fallback,
+                const NumberSpec& spec) {
         number(key, value, fallback, spec);
         boolean((std::string(key) + "_absolute").c_str(), absolute, false, "");
     }
 
     template <class E>
-    void choice(const char* key, E& value, E fallback, std::span<const Choice<E>> choices, const char*) {
+    void choice(const char* key,
+                E& value,
+                E fallback,
+                std::span<const Choice<E>> choices,
+                const char*) {
         for (const Choice<E>& c : choices)
             if (c.value == value && value != fallback) put(key, c.name);
     }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/schema_builder.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <fmt/format.h>
 
 namespace noli {
 
@@ -28,7 +27,17 @@ Json integer_schema(const IntSpec& spec) {
 }
 
 Json vector_schema(const NumberSpec& spec) {
-    return Json{{"type", "array"}, {"items", number_schema(spec)}, {"minItems", 3}, {"maxItems", 3}};
+    return Json{{"type", "array"},
+                {"items", number_schema(spec)},
+                {"minItems", 3},
+                {"maxItems", 3}};
+}
+
+Json described_schema(const Json& schema, const std::string& doc) {
+    Json out{{"description", doc}};
+    for (const auto& [key, value] : schema.items())
+        out[key] = value;
+    return out;
 }
 
 Json object_schema(Json properties, const std::vector<std::string>& required) {
@@ -42,28 +51,36 @@ void SchemaBuilder::scaled(
     const char* key, double&, bool& absolute, double fallback, const NumberSpec& spec) {
     Json schema = number_schema(spec);
     schema["default"] = fallback;
-    add(key, std::move(schema),
-        fmt::format("{} A number is relative; text with a unit, such as \"{}\", or \"{}_absolute\": true "
+    add(key,
+        schema,
+        fmt::format("{} A number is relative; text with a unit, such as \"{}\", or "
+                    "\"{}_absolute\": true "
                     "makes it absolute, in {}.",
-                    spec.doc, dimension_example(spec.unit), key, dimension_unit(spec.unit)));
-    boolean((std::string(key) + "_absolute").c_str(), absolute, false,
-            fmt::format("Whether \"{}\" is in {} instead of relative.", key, dimension_unit(spec.unit))
+                    spec.doc,
+                    dimension_example(spec.unit),
+                    key,
+                    dimension_unit(spec.unit)));
+    boolean((std::string(key) + "_absolute").c_str(),
+            absolute,
+            false,
+            fmt::format("Whether \"{}\" is in {} instead of relative.",
+                        key,
+                        dimension_unit(spec.unit))
                 .c_str());
 }
 
 std::string SchemaBuilder::documented(const NumberSpec& spec) {
     if (spec.unit == kPlainNumber) return spec.doc;
-    return fmt::format("{} Unit of a plain number: {}; or text such as \"{}\".", spec.doc,
-                       dimension_unit(spec.unit), dimension_example(spec.unit));
+    return fmt::format("{} Unit of a plain number: {}; or text such as \"{}\".",
+                       spec.doc,
+                       dimension_unit(spec.unit),
+                       dimension_example(spec.unit));
 }
 
-void SchemaBuilder::add(const char* key, Json schema, const std::string& doc) {
+void SchemaBuilder::add(const char* key, const Json& schema, const std::string& doc) {
     std::string text = doc;
     if (*why_ != '\0') text += fmt::format(" Only {}.", why_);
-    Json described{{"description", text}};
-    for (auto& [name, value] : schema.items())
-        described[name] = value;
-    properties_[key] = std::move(described);
+    properties_[key] = described_schema(schema, text);
 }
 
 }  // namespace noli

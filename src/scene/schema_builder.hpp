@@ -7,6 +7,7 @@
 #include "scene/field_spec.hpp"
 #include "scene/json_text.hpp"
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,8 @@ Json number_schema(const NumberSpec& spec);
 Json integer_schema(const IntSpec& spec);
 /// A list of exactly three numbers.
 Json vector_schema(const NumberSpec& spec);
+/// The schema with a description in front.
+Json described_schema(const Json& schema, const std::string& doc);
 /// A closed object: the keys of `properties` and no others.
 Json object_schema(Json properties, const std::vector<std::string>& required = {});
 
@@ -27,17 +30,20 @@ class SchemaBuilder {
     void number(const char* key, double&, double fallback, const NumberSpec& spec) {
         Json schema = number_schema(spec);
         if (std::isfinite(fallback)) schema["default"] = fallback;
-        add(key, std::move(schema), documented(spec));
+        add(key, schema, documented(spec));
     }
-    void vector(const char* key, Vector3&, const Vector3& fallback, const NumberSpec& spec) {
+    void vector(const char* key,
+                Vector3&,
+                const Vector3& fallback,
+                const NumberSpec& spec) {
         Json schema = vector_schema(spec);
         schema["default"] = fallback;
-        add(key, std::move(schema), documented(spec));
+        add(key, schema, documented(spec));
     }
     void integer(const char* key, int&, int fallback, const IntSpec& spec) {
         Json schema = integer_schema(spec);
         schema["default"] = fallback;
-        add(key, std::move(schema), spec.doc);
+        add(key, schema, spec.doc);
     }
     void boolean(const char* key, bool&, bool fallback, const char* doc) {
         add(key, Json{{"type", "boolean"}, {"default", fallback}}, doc);
@@ -59,23 +65,32 @@ class SchemaBuilder {
         Json schema = list_of(Json{{"enum", allowed}});
         schema["uniqueItems"] = true;
         schema["default"] = fallback;
-        add(key, std::move(schema), doc);
+        add(key, schema, doc);
     }
     void files(const char* key, std::vector<std::string>&, const char* doc) {
         add(key, list_of(Json{{"type", "string"}, {"minLength", 1}}), doc);
     }
-    void scaled(const char* key, double& value, bool& absolute, double fallback, const NumberSpec& spec);
+    void scaled(const char* key,
+                double& value,
+                bool& absolute,
+                double fallback,
+                const NumberSpec& spec);
 
     template <class E>
-    void choice(const char* key, E&, E fallback, std::span<const Choice<E>> choices, const char* doc) {
+    void choice(const char* key,
+                E&,
+                E fallback,
+                std::span<const Choice<E>> choices,
+                const char* doc) {
         Json schema;
         std::string text = std::string(doc) + " One of:";
         for (const Choice<E>& c : choices) {
             schema["enum"].push_back(c.name);
             if (c.value == fallback) schema["default"] = c.name;
-            text += std::string(c.value == choices[0].value ? " " : "; ") + "\"" + c.name + "\", " + c.doc;
+            text += std::string(c.value == choices[0].value ? " " : "; ") + "\"" + c.name
+                  + "\", " + c.doc;
         }
-        add(key, std::move(schema), text + ".");
+        add(key, schema, text + ".");
     }
 
     void maybe_number(const char* key, std::optional<double>&, const NumberSpec& spec) {
@@ -119,11 +134,11 @@ class SchemaBuilder {
     }
 
   private:
-    static Json list_of(Json items) {
-        return Json{{"type", "array"}, {"items", std::move(items)}};
+    static Json list_of(const Json& items) {
+        return Json{{"type", "array"}, {"items", items}};
     }
     static std::string documented(const NumberSpec& spec);
-    void add(const char* key, Json schema, const std::string& doc);
+    void add(const char* key, const Json& schema, const std::string& doc);
 
     Json properties_ = Json::object();
     std::vector<std::string> required_;

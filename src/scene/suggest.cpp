@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/suggest.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
+#include <fmt/format.h>
 
 namespace noli {
 
 namespace {
 
-char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+char lower(char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
 
 }  // namespace
 
@@ -24,9 +25,10 @@ int edit_distance(std::string_view a, std::string_view b) {
         row[0] = static_cast<int>(i);
         for (std::size_t j = 1; j < n; ++j) {
             const bool same = lower(a[i - 1]) == lower(b[j - 1]);
-            row[j] = std::min({previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (same ? 0 : 1)});
+            row[j] = std::min(
+                {previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (same ? 0 : 1)});
             const bool swapped = i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2])
-                                 && lower(a[i - 2]) == lower(b[j - 1]);
+                              && lower(a[i - 2]) == lower(b[j - 1]);
             if (swapped) row[j] = std::min(row[j], two_back[j - 2] + 1);
         }
         two_back.swap(previous);
@@ -49,7 +51,8 @@ std::optional<std::string> nearest_word(std::string_view word,
     return best;
 }
 
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+std::string did_you_mean(std::string_view word,
+                         const std::vector<std::string>& candidates) {
     const std::optional<std::string> best = nearest_word(word, candidates);
     return best ? fmt::format("; did you mean \"{}\"?", *best) : std::string{};
 }

@@ -3,12 +3,11 @@
 
 #include "scene/suggest.hpp"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -17,7 +16,8 @@ namespace noli {
 
 namespace {
 
-/// One unit is num / den SI units; two whole numbers keep decimal prefixes free of rounding.
+/// One unit is num / den SI units; two whole numbers keep decimal prefixes free of
+/// rounding.
 struct Unit {
     const char* symbol;
     Dimension dimension;
@@ -121,8 +121,10 @@ std::string spelled_out(const Dimension& d) {
 
 std::string expectation(const Dimension& expected) {
     if (expected == kPlainNumber) return "expected a plain number without a unit";
-    return fmt::format("expected {} such as \"{}\" or a number in {}", dimension_name(expected),
-                       dimension_example(expected), dimension_unit(expected));
+    return fmt::format("expected {} such as \"{}\" or a number in {}",
+                       dimension_name(expected),
+                       dimension_example(expected),
+                       dimension_unit(expected));
 }
 
 /// Reads the unit part of a quantity from left to right.
@@ -144,7 +146,8 @@ class UnitReader {
             divide = !rest_.empty() && rest_.front() == '/';
             const bool more = divide || (!rest_.empty() && rest_.front() == '*');
             if (more) rest_.remove_prefix(1);
-            if (skip_space(), more && rest_.empty()) return "the unit ends after an operator";
+            if (skip_space(), more && rest_.empty())
+                return "the unit ends after an operator";
         }
         return {};
     }
@@ -154,7 +157,8 @@ class UnitReader {
 
   private:
     void skip_space() {
-        while (!rest_.empty() && std::isspace(static_cast<unsigned char>(rest_.front())) != 0)
+        while (!rest_.empty()
+               && std::isspace(static_cast<unsigned char>(rest_.front())) != 0)
             rest_.remove_prefix(1);
     }
 
@@ -162,21 +166,26 @@ class UnitReader {
         std::size_t length = 0;
         const auto in_symbol = [](char c) {
             const auto u = static_cast<unsigned char>(c);
-            return std::isalpha(u) != 0 || c == '%' || u == 0xc2 || u == 0xb5 || u == 0xb0;
+            return std::isalpha(u) != 0 || c == '%' || u == 0xc2 || u == 0xb5
+                || u == 0xb0;
         };
         while (length < rest_.size() && in_symbol(rest_[length]))
             ++length;
         const std::string symbol(rest_.substr(0, length));
-        if (symbol.empty()) return fmt::format("found \"{}\" where a unit should start", rest_);
+        if (symbol.empty())
+            return fmt::format("found \"{}\" where a unit should start", rest_);
         rest_.remove_prefix(length);
         const std::optional<int> power = read_power();
-        if (!power) return fmt::format("the power of \"{}\" is no whole number from -9 to 9", symbol);
+        if (!power)
+            return fmt::format("the power of \"{}\" is no whole number from -9 to 9",
+                               symbol);
         for (const Unit& unit : kUnits)
             if (symbol == unit.symbol) {
                 apply(unit, divide ? -*power : *power);
                 return {};
             }
         std::vector<std::string> known;
+        known.reserve(kUnits.size());
         for (const Unit& unit : kUnits)
             known.emplace_back(unit.symbol);
         return fmt::format("unknown unit \"{}\"{}", symbol, did_you_mean(symbol, known));
@@ -213,7 +222,9 @@ class UnitReader {
 };
 
 std::string_view trimmed(std::string_view text) {
-    const auto is_space = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+    const auto is_space = [](char c) {
+        return std::isspace(static_cast<unsigned char>(c)) != 0;
+    };
     while (!text.empty() && is_space(text.front()))
         text.remove_prefix(1);
     while (!text.empty() && is_space(text.back()))
@@ -238,9 +249,11 @@ std::string dimension_example(const Dimension& dimension) {
     return named != nullptr ? named->example : "1 " + spelled_out(dimension);
 }
 
-std::variant<double, std::string> parse_quantity(std::string_view text, const Dimension& expected) {
+std::variant<double, std::string> parse_quantity(std::string_view text,
+                                                 const Dimension& expected) {
     const std::string_view body = trimmed(text);
-    const std::string_view digits = !body.empty() && body.front() == '+' ? body.substr(1) : body;
+    const std::string_view digits =
+        !body.empty() && body.front() == '+' ? body.substr(1) : body;
     double value = 0.0;
     const char* end = digits.data() + digits.size();
     const auto [stop, failure] = std::from_chars(digits.data(), end, value);
@@ -249,12 +262,16 @@ std::variant<double, std::string> parse_quantity(std::string_view text, const Di
 
     UnitReader unit(std::string_view(stop, static_cast<std::size_t>(end - stop)));
     if (stop == end)
-        return fmt::format("found \"{}\" without a unit, {}; leave out the quotes or add a unit",
-                           text, expectation(expected));
+        return fmt::format(
+            "found \"{}\" without a unit, {}; leave out the quotes or add a unit",
+            text,
+            expectation(expected));
     if (const std::string problem = unit.read(); !problem.empty())
         return fmt::format("found \"{}\", {}; {}", text, expectation(expected), problem);
     if (unit.dimension() != expected)
-        return fmt::format("found {} (\"{}\"), {}", dimension_name(unit.dimension()), text,
+        return fmt::format("found {} (\"{}\"), {}",
+                           dimension_name(unit.dimension()),
+                           text,
                            expectation(expected));
     const double si = unit.convert(value);
     if (!std::isfinite(si)) return fmt::format("found \"{}\", which is too large", text);

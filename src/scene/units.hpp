@@ -36,12 +36,15 @@ std::string dimension_name(const Dimension& dimension);
 /// The unit of a plain number: "Pa", "m", "deg/s", ...; empty for plain numbers.
 std::string dimension_unit(const Dimension& dimension);
 
-/// A quantity as one would write it, for messages: "5 MPa", "2 mm", ...; empty for plain numbers.
+/// A quantity as one would write it, for messages: "5 MPa", "2 mm", ...; empty for plain
+/// numbers.
 std::string dimension_example(const Dimension& dimension);
 
-/// The value in SI (angles in degrees) of "number unit", or what is wrong with it: what was found,
-/// what was expected, a cure. Units multiply with "*" or a space, divide with "/", and take powers
-/// as in "m^2". The result of a conversion by a power of ten is correctly rounded.
-std::variant<double, std::string> parse_quantity(std::string_view text, const Dimension& expected);
+/// The value in SI (angles in degrees) of "number unit", or what is wrong with it: what
+/// was found, what was expected, a cure. Units multiply with "*" or a space, divide with
+/// "/", and take powers as in "m^2". The result of a conversion by a power of ten is
+/// correctly rounded.
+std::variant<double, std::string> parse_quantity(std::string_view text,
+                                                 const Dimension& expected);
 
 }  // namespace noli

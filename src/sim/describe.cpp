@@ -229,8 +229,11 @@ void add_totals(Lines& lines, const std::vector<StatsEntry>& rows) {
     }
     const auto steps = static_cast<double>(rows.size());
     lines.add("wall", "{:.3f} s, {:.4g} s a step", wall, wall / steps);
-    lines.add(
-        "newton", "{} iterations, {:.3g} a step; {} of pcg", newton, newton / steps, pcg);
+    lines.add("newton",
+              "{} iterations, {:.3g} a step; {} of pcg",
+              newton,
+              static_cast<double>(newton) / steps,
+              pcg);
     lines.add("contacts", "at most {}", contacts);
     if (std::isfinite(gap)) lines.add("min gap", "{:.6g} m", gap);
     if (intersections >= 0)

@@ -2,6 +2,8 @@
 #include "exec/cuda.cuh"
 #include "sim/engine_on.hpp"
 
+#include <exception>
+
 namespace noli {
 
 namespace {
@@ -10,7 +12,16 @@ class CudaEngine final : public Engine {
   public:
     CudaEngine(const EngineInput& input, std::string name) : name_(std::move(name)), engine_(input) {}
 
-    StepReport step() override { return engine_.step(); }
+    StepReport step() override {
+        try {
+            return engine_.step();
+        } catch (const std::exception& trouble) {
+            StepReport report;
+            report.outcome = Outcome::NumericalTrouble;
+            report.message = name_ + ": " + trouble.what();
+            return report;
+        }
+    }
     StepState state() override { return engine_.state(); }
     void set_state(const StepState& state) override { engine_.set_state(state); }
     std::vector<Vec3d> contact_forces() override { return engine_.contact_forces(); }

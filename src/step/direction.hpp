@@ -69,6 +69,9 @@ class DirectionSolver {
         return remaining_;
     }
 
+    /// Keeps the prescribed vertices where they are in the next direction.
+    void hold_prescribed() { remaining_ = 0.0; }
+
     /// p from the objective's gradient, matrix and terms; call find_remaining before.
     DirectionResult solve(Exec& exec,
                           Objective<Exec>& objective,

@@ -10,6 +10,7 @@
 
 #include "noli/simulator.hpp"
 
+#include "step/boundary_pace.hpp"
 #include "step/collision.hpp"
 #include "step/direction.hpp"
 #include "step/line_search.hpp"
@@ -31,6 +32,7 @@ class Newton {
           settings_(settings),
           objective_(exec, model, pattern),
           direction_(model.num_vertices) {
+        exec.upload(model.obstacle, obstacle_);
         p_.resize(model.num_vertices);
         x_trial_.resize(model.num_vertices);
         law_ = {.barrier = {.dhat = settings.dhat,
@@ -44,17 +46,17 @@ class Newton {
 
     /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged friction.
     void begin_step(const StepScales& scales,
-                    const std::vector<std::uint8_t>& kinematic,
                     View<const std::uint8_t> fixed,
                     View<const Vec3d> x,
                     View<const Vec3d> x_tilde,
                     StepReport& report) {
         fixed_ = fixed;
+        yielded_ = false;
         objective_.begin_step(exec_, scales, x, x_tilde, fixed);
         law_.hessian = hessian_of(settings_.contact.hessian);
         {
             const PhaseTimer timer(report.t_pairs);
-            collision_.begin_step(exec_, model_, kinematic, x);
+            collision_.begin_step(exec_, model_, model_.obstacle, x);
             collision_.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
             collision_.find_pairs_at(exec_, x, settings_.dhat, pairs_);
         }
@@ -73,6 +75,7 @@ class Newton {
     /// Fills the report; leaves in x the last iterate, always free of intersections.
     Outcome minimize(View<const Vec3d> target, double tolerance, View<Vec3d> x, StepReport& report) {
         stall_ = {};
+        pace_ = {};
         energy_known_ = false;
         for (int k = 0; k < settings_.solver.max_newton; ++k) {
             IterationRecord record;
@@ -90,6 +93,8 @@ class Newton {
     Collision<Exec>& collision() { return collision_; }
     const PairSet<Exec>& pairs() const { return pairs_; }
     const ContactLaw& law() const { return law_; }
+    /// True if prescribed vertices had to yield in this step.
+    [[nodiscard]] bool yielded() const { return yielded_; }
     void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
     /// Smallest distance among the active pairs, m; +infinity without pairs.
     double gap_at(View<const Vec3d> x) { return collision_.gap_at(exec_, pairs_, x); }
@@ -114,7 +119,9 @@ class Newton {
         record.energy = energy_;
         record.energy_after = energy_;
         record.kappa = law_.barrier.kappa;
-        record.boundary_moved = direction_.find_remaining(exec_, fixed_, target, x) > 0.0;
+        const bool arrived = direction_.find_remaining(exec_, fixed_, target, x) == 0.0;
+        record.boundary_moved = !arrived && pace_.moves();
+        if (!record.boundary_moved) direction_.hold_prescribed();
         if (settings_.record_iterations)
             record.gradient = detail::max_free_component(exec_, objective_.gradient(), fixed_);
         const DirectionResult solved = solve_direction(record, report);
@@ -127,21 +134,36 @@ class Newton {
             report.message = describe_not_finite(record.direction, energy_, report.newton);
             return {true, Outcome::NumericalTrouble};
         }
-        const bool converged = !record.boundary_moved && record.direction < tolerance * settings_.dt;
+        const bool converged = arrived && record.direction < tolerance * settings_.dt;
         bound_step(x, record, report);
         const bool moved = search(x, converged, record, report);
         if (converged) return {true, Outcome::Converged};
+        if (!moved && pace_.retry_more_exactly()) return {};
         if (!moved) {
             report.message = describe_failed_search(record);
             return {true, Outcome::Stalled};
         }
-        return judge_progress(record, report);
+        const Progress progress = judge_progress(record, report);
+        if (!progress.ended && pace_.blocked() && !yielded_) yield_boundary(target);
+        return progress;
+    }
+
+    /// Prescribed vertices of elastic bodies that something blocks are held by springs from here on
+    /// (docs/decisions/001-boundary-by-elimination.md); those of obstacles are not.
+    void yield_boundary(View<const Vec3d> target) {
+        const View<const std::uint8_t> obstacle = obstacle_.view();
+        objective_.yield(exec_, fixed_, obstacle, target);
+        fixed_ = obstacle;
+        yielded_ = true;
+        energy_known_ = false;
+        stall_ = {};
+        pace_ = {};
     }
 
     DirectionResult solve_direction(IterationRecord& record, StepReport& report) {
         const PhaseTimer timer(report.t_solve);
         const DirectionResult solved = direction_.solve(exec_, objective_, fixed_, settings_.solver,
-                                                        settings_.solver.pcg_tolerance, p_);
+                                                        pace_.tolerance(settings_.solver.pcg_tolerance, record.boundary_moved), p_);
         ++report.newton;
         report.pcg += solved.iterations;
         record.pcg = solved.iterations;
@@ -218,6 +240,7 @@ class Newton {
     /// Counts short steps; moves to a stronger contact Hessian, or gives up with the cause.
     Progress judge_progress(const IterationRecord& record, StepReport& report) {
         stall_.add(record);
+        pace_.add(record);
         if (stall_.short_steps == kShortStepsBeforeSwitch && law_.hessian != ContactHessian::Exact) {
             law_.hessian = law_.hessian == ContactHessian::GaussNewton ? ContactHessian::GaussNewtonPlus
                                                                        : ContactHessian::Exact;
@@ -239,7 +262,10 @@ class Newton {
     ContactLaw law_{};
     StiffnessRange range_{};
     StallDetector stall_;
+    BoundaryPace pace_;
     View<const std::uint8_t> fixed_{};
+    bool yielded_ = false;
+    Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;
     double energy_ = 0.0;
     bool energy_known_ = false;

@@ -10,7 +10,19 @@
 
 namespace noli {
 
+inline constexpr double kYieldShare = 0.25;  ///< of its motion that a blocked prescribed vertex may lack
 inline constexpr int kMaxFrictionUpdates = 100;  ///< where friction_iterations = until convergence
+
+namespace detail {
+
+/// Largest component of a - b over marked vertices.
+template <class Exec>
+double max_distance(Exec& exec, View<const std::uint8_t> marked, View<const Vec3d> a, View<const Vec3d> b) {
+    return -exec.min("step/max_distance", a.size,
+                     [=] NOLI_HD(int i) { return marked[i] ? -max_abs(a[i] - b[i]) : 0.0; });
+}
+
+}  // namespace detail
 
 /// All that a simulation carries from step to step, on the host.
 struct StepState {
@@ -49,6 +61,7 @@ class Stepper {
         report.time = (steps_ + 1) * settings_.dt;
         begin(report);
         report.outcome = solve(report);
+        if (newton_.yielded()) judge_yield(report);
         if (report.outcome == Outcome::Converged) {
             detail::advance(exec_, choice(), fixed_.view(), x_new_.view(), motion_.x.view(),
                             motion_.v.view(), motion_.a.view(), motion_.x_prev.view(),
@@ -115,8 +128,7 @@ class Stepper {
                                 .stiffness_damping = settings_.damping.stiffness / settings_.dt,
                                 .friction_eps = settings_.epsv * settings_.dt};
         exec_.copy(View<const Vec3d>(motion_.x.view()), x_new_.view());
-        newton_.begin_step(scales, boundary_.prescribed, fixed_.view(), motion_.x.view(),
-                           x_tilde_.view(), report);
+        newton_.begin_step(scales, fixed_.view(), motion_.x.view(), x_tilde_.view(), report);
     }
 
     /// Minimises with lagged friction, as often as asked for or until nothing changes any more.
@@ -133,6 +145,19 @@ class Stepper {
             if (settled || lag + 1 >= limit) return outcome;
             newton_.lag_friction_at(x_new_.view());
         }
+    }
+
+    /// How far prescribed vertices stayed behind; too far is a blocked boundary.
+    void judge_yield(StepReport& report) {
+        const View<const std::uint8_t> fixed = fixed_.view();
+        report.boundary_yield = detail::max_distance(exec_, fixed, x_new_.view(), target_.view());
+        const double motion = detail::max_distance(exec_, fixed, motion_.x.view(), target_.view());
+        const double allowed = std::max(settings_.dhat, kYieldShare * motion);
+        if (report.boundary_yield <= allowed || report.outcome != Outcome::Converged) return;
+        report.outcome = Outcome::BoundaryBlocked;
+        report.message = "prescribed vertices stay " + std::to_string(report.boundary_yield)
+                         + " m short of their targets, more than the " + std::to_string(allowed)
+                         + " m that they may yield to contact; the motion runs into something";
     }
 
     /// Newmark's first acceleration: a = a_ext - M^-1 grad Psi(x), contact left out.

@@ -15,14 +15,16 @@ struct StiffnessRange {
     double low, high;
 };
 
-/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2 with the curvature of the exponent in use,
-/// kappa_max = 100 kappa_min; m mean nodal mass, l scene diagonal. Source: MATH 8.2.
+/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2, kappa_max = 100 kappa_min; m mean nodal mass,
+/// l scene diagonal. The curvature is that of r = 1 for every exponent: with r = 2 the rule would
+/// give a kappa 48 times softer, which costs Newton and PCG iterations
+/// (docs/decisions/004-stiffness-rule.md). Source: MATH 8.2.
 inline StiffnessRange stiffness_range(const StepSettings& settings) {
     const double l_sq = settings.diagonal * settings.diagonal;
     const double d0_sq = 1e-16 * l_sq;
     const double mass = settings.mean_mass > 0.0 ? settings.mean_mass : 1.0;
     const double dhat_sq = settings.dhat * settings.dhat;
-    const double curvature = barrier(settings.contact.barrier_exponent, d0_sq, dhat_sq).d2;
+    const double curvature = barrier(1, d0_sq, dhat_sq).d2;
     const double low = settings.contact.kappa_min_multiplier * mass / (4.0 * d0_sq * curvature);
     return {low, 100.0 * low};
 }

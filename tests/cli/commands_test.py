@@ -93,7 +93,7 @@ class Check(ProgramTest):
 
 class Info(ProgramTest):
     def test_describes_a_scene_with_contact_settings_in_metres(self):
-        self.expect(noli("info", self.scene), 0, "lower", "upper", "250 vertices", "50 steps", "dhat", " m,")
+        self.expect(noli("info", self.scene), 0, "lower", "upper", "686 vertices", "50 steps", "dhat", " m,")
 
     def test_describes_a_mesh(self):
         mesh = self.folder / "two.mesh"

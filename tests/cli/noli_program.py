@@ -20,8 +20,8 @@ SCENE = {
     "duration": 0.5,
     "dt": 0.01,
     "bodies": [
-        {"name": "lower", "mesh": {"generator": "box"}, "friction": 0.3},
-        {"name": "upper", "mesh": {"generator": "box"}, "velocity": [0.1, -2, 0],
+        {"name": "lower", "mesh": {"generator": "box", "cells": [6, 6, 6]}, "friction": 0.3},
+        {"name": "upper", "mesh": {"generator": "box", "cells": [6, 6, 6]}, "velocity": [0.1, -2, 0],
          "transform": {"translate": [0.05, 1.03, 0.02]}, "friction": 0.3},
     ],
     "half_spaces": [{"name": "floor", "point": [0, -0.51, 0], "friction": 0.3}],

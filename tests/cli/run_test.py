@@ -10,7 +10,7 @@ import subprocess
 import unittest
 import xml.etree.ElementTree as ElementTree
 
-from noli_program import BINARY, STATS_COLUMNS, ProgramTest, noli, record_of, rows_of, start, wait_for_rows
+from noli_program import BINARY, SCENE, STATS_COLUMNS, ProgramTest, noli, record_of, rows_of, start, wait_for_rows
 from vtu_reader import read_vtu
 
 
@@ -49,7 +49,7 @@ class RunDirectory(ProgramTest):
             frames.append(read_vtu(run / entry.get("file")))
             self.assertAlmostEqual(frames[-1]["time"], float(entry.get("timestep")))
         first, last = frames[0], frames[-1]
-        self.assertEqual(len(first["points"]), 250)
+        self.assertEqual(len(first["points"]), 686)
         self.assertEqual({kind for kind, _ in first["cells"]}, {10})
         self.assertEqual(set(first["point_data"]["body_id"]), {0, 1})
         self.assertTrue(all(v == (0.1, -2.0, 0.0) for v, b in
@@ -191,19 +191,21 @@ class Failures(ProgramTest):
         whole, run = self.folder / "whole", self.folder / "run"
         options = ("--steps", 40, "--frames-every", 20, "--format", "ply", "--checkpoint-every", 5,
                    "--iteration-log", "--quiet")
-        self.expect(noli("run", self.scene, "-o", whole, *options), 0)
-        # Room for every frame and checkpoint, but not for the whole iteration log.
+        bodies = [{**body, "mesh": {"generator": "box", "cells": [2, 2, 2]}} for body in SCENE["bodies"]]
+        scene = self.write_scene("coarse.json", bodies=bodies)
+        self.expect(noli("run", scene, "-o", whole, *options), 0)
+        # Room for every frame and checkpoint of a coarse scene, but not for the whole iteration log.
         sizes = {p.name: p.stat().st_size for p in whole.rglob("*") if p.is_file()}
         log_size = sizes.pop("iterations.jsonl")
         room = max(sizes.values()) + 1000
         self.assertGreater(log_size, room)
-        result = noli("run", self.scene, "-o", run, *options,
+        result = noli("run", scene, "-o", run, *options,
                       preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)))
         self.expect(result, 1, "error: ", "iterations.jsonl: cannot write: File too large", "--resume")
         self.assertLess(len(rows_of(run)), 40)
         self.assertEqual(record_of(run)["status"], "failed")
         self.assertFalse(list(run.rglob("*.part")))
-        self.expect(noli("run", self.scene, "-o", run, *options, "--resume"), 0)
+        self.expect(noli("run", scene, "-o", run, *options, "--resume"), 0)
         self.assertEqual(record_of(run)["state_hash"], record_of(whole)["state_hash"])
         self.assertEqual((run / "iterations.jsonl").read_bytes(), (whole / "iterations.jsonl").read_bytes())
 

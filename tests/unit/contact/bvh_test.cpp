@@ -23,7 +23,8 @@ Tree tree_of_points(const std::vector<Vec3d>& x, double gap) {
     std::iota(ids.begin(), ids.end(), 0);
     const View<const int> id_view{ids.data(), int(ids.size())};
     Tree tree;
-    tree.order.sort(exec, id_view, detail::grid_around(exec, id_view, view_of(x)), view_of(x));
+    tree.order.sort(
+        exec, id_view, detail::grid_around(exec, id_view, view_of(x)), view_of(x));
     tree.boxes.refit(exec, tree.order, Motion{view_of(x), {}, 0.0}, gap);
     tree.view = tree.boxes.view(tree.order);
     return tree;
@@ -71,8 +72,8 @@ TEST(Bvh, VisitsEveryLeafWhoseBoxOverlapsTheQuery) {
                     std::binary_search(packed.leaves.begin(), packed.leaves.end(), leaf);
                 EXPECT_TRUE(visited || !hit) << n << " points, leaf " << leaf;
             }
-            const bool none_before =
-                packed.leaves.empty() || leaves == 1 || packed.leaves.front() >= first_leaf;
+            const bool none_before = packed.leaves.empty() || leaves == 1
+                                  || packed.leaves.front() >= first_leaf;
             EXPECT_TRUE(none_before);
             EXPECT_TRUE(std::adjacent_find(packed.leaves.begin(), packed.leaves.end())
                         == packed.leaves.end());

@@ -8,14 +8,18 @@ namespace {
 
 using namespace contact_test;
 
-double vertex_triangle_distance(const Shape& s, int v, int t, const std::vector<Vec3d>& x) {
+double vertex_triangle_distance(const Shape& s,
+                                int v,
+                                int t,
+                                const std::vector<Vec3d>& x) {
     return std::sqrt(classify_point_triangle(vertex_triangle_stencil(s, v, t, x)).d_sq);
 }
 double edge_edge_distance(const Shape& s, int a, int b, const std::vector<Vec3d>& x) {
     return std::sqrt(classify_edge_edge(edge_edge_stencil(s, a, b, x)).d_sq);
 }
 
-/// Largest separation of the first kA points from the others on a coordinate axis, boxes around both ends.
+/// Largest separation of the first kA points from the others on a coordinate axis, boxes
+/// around both ends.
 double box_separation(const Stencil<4>& s, const Stencil<4>& e, int first) {
     double apart = -INFINITY;
     for (int axis = 0; axis < 3; ++axis) {
@@ -31,9 +35,12 @@ double box_separation(const Stencil<4>& s, const Stencil<4>& e, int first) {
     return apart;
 }
 
-/// Candidates hold every pair that comes closer than inflation at one of `samples` times, and no pair
-/// whose swept boxes are farther apart than that.
-void expect_right_candidates(const Shape& s, const std::vector<Vec3d>& p, double alpha, double inflation,
+/// Candidates hold every pair that comes closer than inflation at one of `samples` times,
+/// and no pair whose swept boxes are farther apart than that.
+void expect_right_candidates(const Shape& s,
+                             const std::vector<Vec3d>& p,
+                             double alpha,
+                             double inflation,
                              int samples) {
     CpuExec exec;
     const CandidateLists found = candidates_of(exec, s, p, alpha, inflation);
@@ -41,25 +48,29 @@ void expect_right_candidates(const Shape& s, const std::vector<Vec3d>& p, double
     for (int k = 0; k < samples; ++k)
         states.push_back(moved(s, p, samples > 1 ? alpha * k / (samples - 1) : 0.0));
     const auto any_close = [&](auto distance, int a, int b) {
-        return std::any_of(states.begin(), states.end(),
-                           [&](const auto& x) { return distance(s, a, b, x) < inflation; });
+        return std::any_of(states.begin(), states.end(), [&](const auto& x) {
+            return distance(s, a, b, x) < inflation;
+        });
     };
-    const auto close_vt =
-        brute_vertex_triangle(s, [&](int v, int t) { return any_close(vertex_triangle_distance, v, t); });
-    const auto close_ee =
-        brute_edge_edge(s, [&](int a, int b) { return any_close(edge_edge_distance, a, b); });
+    const auto close_vt = brute_vertex_triangle(
+        s, [&](int v, int t) { return any_close(vertex_triangle_distance, v, t); });
+    const auto close_ee = brute_edge_edge(
+        s, [&](int a, int b) { return any_close(edge_edge_distance, a, b); });
     EXPECT_TRUE(is_subset(close_vt, found.vertex_triangle));
     EXPECT_TRUE(is_subset(close_ee, found.edge_edge));
 
     const std::vector<Vec3d>& end = states.back();
     const double slack = 1e-5 * (1.0 + inflation);
     const auto near_vt = brute_vertex_triangle(s, [&](int v, int t) {
-        return box_separation(vertex_triangle_stencil(s, v, t, s.x), vertex_triangle_stencil(s, v, t, end), 1)
-               < inflation + slack;
+        return box_separation(vertex_triangle_stencil(s, v, t, s.x),
+                              vertex_triangle_stencil(s, v, t, end),
+                              1)
+             < inflation + slack;
     });
     const auto near_ee = brute_edge_edge(s, [&](int a, int b) {
-        return box_separation(edge_edge_stencil(s, a, b, s.x), edge_edge_stencil(s, a, b, end), 2)
-               < inflation + slack;
+        return box_separation(
+                   edge_edge_stencil(s, a, b, s.x), edge_edge_stencil(s, a, b, end), 2)
+             < inflation + slack;
     });
     EXPECT_TRUE(is_subset(found.vertex_triangle, near_vt));
     EXPECT_TRUE(is_subset(found.edge_edge, near_ee));
@@ -117,7 +128,8 @@ TEST(Candidates, AllPointsEqualGivesAllPairs) {
         EXPECT_EQ(found.vertex_triangle, brute_vertex_triangle(s, all)) << name;
         EXPECT_EQ(found.edge_edge, brute_edge_edge(s, all)) << name;
     };
-    on_all_executors([&](auto& exec) { return candidates_of(exec, s, {}, 0.0, 0.01); }, check);
+    on_all_executors([&](auto& exec) { return candidates_of(exec, s, {}, 0.0, 0.01); },
+                     check);
 }
 
 TEST(Candidates, CommonMotionDropsOut) {
@@ -139,7 +151,8 @@ TEST(Candidates, DoNotDependOnTheAgeOfTheTrees) {
     const CandidateLists fresh = candidates_of(exec, s, p, 1.0, 0.02);
     EXPECT_GT(fresh.vertex_triangle.size(), 100U);
     EXPECT_EQ(candidates_of(exec, s, p, 1.0, 0.02, &elsewhere), fresh);
-    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.02, &elsewhere), candidates_of(exec, s, {}, 0.0, 0.02));
+    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.02, &elsewhere),
+              candidates_of(exec, s, {}, 0.0, 0.02));
 }
 
 TEST(Candidates, AreEqualForEveryExecutorAndThreadCount) {
@@ -152,10 +165,11 @@ TEST(Candidates, AreEqualForEveryExecutorAndThreadCount) {
     for (const std::vector<Vec3d>& motion : {p, std::vector<Vec3d>{}}) {
         const CandidateLists expected = candidates_of(serial, s, motion, 0.9, 0.02);
         EXPECT_GT(expected.vertex_plane.size(), 50U);
-        on_all_executors([&](auto& exec) { return candidates_of(exec, s, motion, 0.9, 0.02); },
-                         [&](const CandidateLists& found, const char* name) {
-                             EXPECT_EQ(found, expected) << name;
-                         });
+        on_all_executors(
+            [&](auto& exec) { return candidates_of(exec, s, motion, 0.9, 0.02); },
+            [&](const CandidateLists& found, const char* name) {
+                EXPECT_EQ(found, expected) << name;
+            });
     }
 }
 
@@ -163,12 +177,13 @@ TEST(Candidates, SkipDisabledBodiesAndKinematicPairs) {
     Shape s = two_spheres(0.01, 6);
     CpuExec exec;
     const auto between = [&](const CandidateLists& found) {
-        return std::count_if(found.edge_edge.begin(), found.edge_edge.end(), [&](const auto& pair) {
-            const auto body = [&](int e) {
-                return s.mesh.body[std::size_t(s.mesh.edges[std::size_t(e)][0])];
-            };
-            return body(pair.first) != body(pair.second);
-        });
+        return std::count_if(
+            found.edge_edge.begin(), found.edge_edge.end(), [&](const auto& pair) {
+                const auto body = [&](int e) {
+                    return s.mesh.body[std::size_t(s.mesh.edges[std::size_t(e)][0])];
+                };
+                return body(pair.first) != body(pair.second);
+            });
     };
     const CandidateLists all = candidates_of(exec, s, {}, 0.0, 0.2);
     EXPECT_GT(between(all), 0);
@@ -198,7 +213,8 @@ TEST(Candidates, FindPlanesThatAVertexReaches) {
     EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_plane, (PairsOfIds{{3, 0}}));
     p[1] = {0, -1.0, 0};  // reaches plane 0 at the end
     p[4] = {0, 4.95, 0};  // comes within 0.05 of plane 1
-    EXPECT_EQ(candidates_of(exec, s, p, 1.0, 0.1).vertex_plane, (PairsOfIds{{1, 0}, {3, 0}, {4, 1}}));
+    EXPECT_EQ(candidates_of(exec, s, p, 1.0, 0.1).vertex_plane,
+              (PairsOfIds{{1, 0}, {3, 0}, {4, 1}}));
     EXPECT_EQ(candidates_of(exec, s, p, 0.5, 0.1).vertex_plane, (PairsOfIds{{3, 0}}));
     s.mesh.kinematic[3] = 1;
     EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_plane, PairsOfIds{});
@@ -206,7 +222,12 @@ TEST(Candidates, FindPlanesThatAVertexReaches) {
 
 TEST(Candidates, FindPointsAndSegmentsOfObstacles) {
     Shape s;
-    s.x = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.01}, {0.5, 0.6, 0.01}, {0.6, 0.5, -0.01}};
+    s.x = {{0, 0, 0},
+           {1, 0, 0},
+           {0, 1, 0},
+           {0.2, 0.2, 0.01},
+           {0.5, 0.6, 0.01},
+           {0.6, 0.5, -0.01}};
     s.mesh.triangles = {{{0, 1, 2}}};
     complete(s, {{{4, 5}}}, {3});
     CpuExec exec;

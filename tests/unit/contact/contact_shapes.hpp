@@ -25,10 +25,14 @@ struct Shape {
     [[nodiscard]] View<const Vec3d> view() const { return {x.data(), int(x.size())}; }
 };
 
-inline View<const Vec3d> view_of(const std::vector<Vec3d>& v) { return {v.data(), int(v.size())}; }
+inline View<const Vec3d> view_of(const std::vector<Vec3d>& v) {
+    return {v.data(), int(v.size())};
+}
 
-/// Fills in everything that follows from x, triangles and (if given) extra edges and points.
-inline void complete(Shape& shape, const std::vector<Int2>& more_edges = {},
+/// Fills in everything that follows from x, triangles and (if given) extra edges and
+/// points.
+inline void complete(Shape& shape,
+                     const std::vector<Int2>& more_edges = {},
                      const std::vector<int>& more_points = {}) {
     CollisionMesh& m = shape.mesh;
     std::set<std::pair<int, int>> edges;
@@ -40,14 +44,16 @@ inline void complete(Shape& shape, const std::vector<Int2>& more_edges = {},
         edges.insert(std::minmax(e[0], e[1]));
     for (const auto& [a, b] : edges) {
         m.edges.push_back({{a, b}});
-        m.edge_rest_sq.push_back(norm_sq(shape.x[std::size_t(a)] - shape.x[std::size_t(b)]));
+        m.edge_rest_sq.push_back(
+            norm_sq(shape.x[std::size_t(a)] - shape.x[std::size_t(b)]));
         vertices.insert({a, b});
     }
     m.vertices.assign(vertices.begin(), vertices.end());
     m.num_vertices = int(shape.x.size());
     m.body.resize(shape.x.size(), 0);
     m.kinematic.resize(shape.x.size(), 0);
-    m.num_bodies = 1 + (m.body.empty() ? 0 : *std::max_element(m.body.begin(), m.body.end()));
+    m.num_bodies =
+        1 + (m.body.empty() ? 0 : *std::max_element(m.body.begin(), m.body.end()));
     m.pair_enabled.assign(std::size_t(m.num_bodies * m.num_bodies), 1);
     m.plane_enabled.assign(m.planes.size() * std::size_t(m.num_bodies), 1);
 }
@@ -59,7 +65,8 @@ inline Vec3d random_vector(std::mt19937& rng, double size) {
     return {a, b, u(rng)};
 }
 
-/// n separate triangles with edges of about `size` in a box of half-width 1; body = triangle % bodies.
+/// n separate triangles with edges of about `size` in a box of half-width 1; body =
+/// triangle % bodies.
 inline Shape soup(int n, double size, unsigned seed, int bodies = 3) {
     std::mt19937 rng(seed);
     Shape s;
@@ -86,11 +93,16 @@ inline void add_sphere(Shape& s, const Vec3d& centre, double radius, int n) {
         for (int j = 0; j < around; ++j) {
             const double theta = kPi * i / n;
             const double phi = 2 * kPi * (j + 0.5 * (i % 2)) / around;
-            s.x.push_back(centre + radius * Vec3d{std::sin(theta) * std::cos(phi),
-                                                  std::sin(theta) * std::sin(phi), std::cos(theta)});
+            s.x.push_back(centre
+                          + radius
+                                * Vec3d{std::sin(theta) * std::cos(phi),
+                                        std::sin(theta) * std::sin(phi),
+                                        std::cos(theta)});
         }
     s.x.push_back(centre - Vec3d{0, 0, radius});
-    const auto id = [&](int i, int j) { return first + 1 + (i - 1) * around + j % around; };
+    const auto id = [&](int i, int j) {
+        return first + 1 + (i - 1) * around + j % around;
+    };
     const int last = int(s.x.size()) - 1;
     for (int j = 0; j < around; ++j) {
         s.mesh.triangles.push_back({{first, id(1, j), id(1, j + 1)}});
@@ -103,7 +115,8 @@ inline void add_sphere(Shape& s, const Vec3d& centre, double radius, int n) {
     s.mesh.body.resize(s.x.size(), body);
 }
 
-/// Two spheres `gap` apart along x, slightly turned against each other by their different resolution.
+/// Two spheres `gap` apart along x, slightly turned against each other by their different
+/// resolution.
 inline Shape two_spheres(double gap, int n) {
     Shape s;
     add_sphere(s, {-1.0 - 0.5 * gap, 0.0, 0.0}, 1.0, n);
@@ -122,7 +135,9 @@ inline Shape folded_sheet(int n, double gap) {
             const bool upper = j > n;
             const double y = upper ? 2.0 - v : v;
             const double z = upper ? gap : 0.0;
-            s.x.push_back({u + 0.003 * std::sin(7 * v), y, z + 0.1 * gap * std::sin(13 * u + 5 * v)});
+            s.x.push_back({u + 0.003 * std::sin(7 * v),
+                           y,
+                           z + 0.1 * gap * std::sin(13 * u + 5 * v)});
         }
     const auto id = [&](int i, int j) { return j * (n + 1) + i; };
     for (int j = 0; j < 2 * n; ++j)
@@ -134,15 +149,26 @@ inline Shape folded_sheet(int n, double gap) {
     return s;
 }
 
-inline Stencil<4> vertex_triangle_stencil(const Shape& s, int vertex, int triangle,
+inline Stencil<4> vertex_triangle_stencil(const Shape& s,
+                                          int vertex,
+                                          int triangle,
                                           const std::vector<Vec3d>& x) {
     const Int3& t = s.mesh.triangles[std::size_t(triangle)];
-    return {{x[std::size_t(vertex)], x[std::size_t(t[0])], x[std::size_t(t[1])], x[std::size_t(t[2])]}};
+    return {{x[std::size_t(vertex)],
+             x[std::size_t(t[0])],
+             x[std::size_t(t[1])],
+             x[std::size_t(t[2])]}};
 }
-inline Stencil<4> edge_edge_stencil(const Shape& s, int a, int b, const std::vector<Vec3d>& x) {
+inline Stencil<4> edge_edge_stencil(const Shape& s,
+                                    int a,
+                                    int b,
+                                    const std::vector<Vec3d>& x) {
     const Int2& ea = s.mesh.edges[std::size_t(a)];
     const Int2& eb = s.mesh.edges[std::size_t(b)];
-    return {{x[std::size_t(ea[0])], x[std::size_t(ea[1])], x[std::size_t(eb[0])], x[std::size_t(eb[1])]}};
+    return {{x[std::size_t(ea[0])],
+             x[std::size_t(ea[1])],
+             x[std::size_t(eb[0])],
+             x[std::size_t(eb[1])]}};
 }
 
 inline std::vector<Vec3d> moved(const Shape& s, const std::vector<Vec3d>& p, double t) {
@@ -157,8 +183,16 @@ inline CollisionMeshView host_view(const CollisionMesh& m) {
         using T = typename std::decay_t<decltype(list)>::value_type;
         return View<const T>{list.data(), int(list.size())};
     };
-    return {v(m.vertices),   v(m.edges),   v(m.edge_rest_sq), v(m.triangles),     v(m.body),
-            v(m.kinematic), m.num_bodies, v(m.pair_enabled), v(m.planes), v(m.plane_enabled)};
+    return {v(m.vertices),
+            v(m.edges),
+            v(m.edge_rest_sq),
+            v(m.triangles),
+            v(m.body),
+            v(m.kinematic),
+            m.num_bodies,
+            v(m.pair_enabled),
+            v(m.planes),
+            v(m.plane_enabled)};
 }
 
 using PairsOfIds = std::vector<std::pair<int, int>>;
@@ -179,7 +213,8 @@ PairsOfIds brute_edge_edge(const Shape& s, Keep keep) {
     PairsOfIds out;
     for (int a = 0; a < m.edges.size; ++a)
         for (int b = a + 1; b < m.edges.size; ++b)
-            if (m.may_collide(m.edges[a], m.edges[b]) && keep(a, b)) out.emplace_back(a, b);
+            if (m.may_collide(m.edges[a], m.edges[b]) && keep(a, b))
+                out.emplace_back(a, b);
     return out;
 }
 
@@ -203,19 +238,25 @@ struct CandidateLists {
 };
 
 template <class Exec>
-CandidateLists candidates_of(Exec& exec, const Shape& s, const std::vector<Vec3d>& p, double alpha,
-                             double inflation, const std::vector<Vec3d>* sort_at = nullptr) {
+CandidateLists candidates_of(Exec& exec,
+                             const Shape& s,
+                             const std::vector<Vec3d>& p,
+                             double alpha,
+                             double inflation,
+                             const std::vector<Vec3d>* sort_at = nullptr) {
     DeviceCollisionMesh<Exec> mesh;
     mesh.upload(exec, s.mesh);
     BroadPhase<Exec> broad_phase;
     if (sort_at != nullptr) broad_phase.sort(exec, mesh, view_of(*sort_at));
     Candidates<Exec> out;
     find_candidates(exec, mesh, broad_phase, s.view(), view_of(p), alpha, inflation, out);
-    return {to_vector(out.vertex_triangle.view()), to_vector(out.edge_edge.view()),
+    return {to_vector(out.vertex_triangle.view()),
+            to_vector(out.edge_edge.view()),
             to_vector(out.vertex_plane.view())};
 }
 
-/// Calls check(result, name) for the result of run(exec) on every executor and 1 to 4 threads.
+/// Calls check(result, name) for the result of run(exec) on every executor and 1 to 4
+/// threads.
 template <class Run, class Check>
 void on_all_executors(Run run, Check check) {
     SerialExec serial;

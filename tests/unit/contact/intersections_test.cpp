@@ -41,7 +41,9 @@ TEST(Intersections, OnSoupsMatchBruteForce) {
             for (const Int3& t : s.mesh.triangles) {
                 const auto at = [&](int v) { return s.x[std::size_t(v)]; };
                 const bool own = e[0] / 3 == t[0] / 3;
-                if (!own && segment_intersects_triangle(at(e[0]), at(e[1]), at(t[0]), at(t[1]), at(t[2])))
+                if (!own
+                    && segment_intersects_triangle(
+                        at(e[0]), at(e[1]), at(t[0]), at(t[1]), at(t[2])))
                     expected.emplace_back(e[0] * 1000 + e[1], t[0]);
             }
         std::vector<std::pair<int, int>> found;
@@ -66,20 +68,28 @@ TEST(Intersections, FreeShapesHaveNoneAndOverlappingOnesHave) {
 
 TEST(Intersections, TouchingCountsWithoutTolerance) {
     const double tiny = 1e-300;
-    EXPECT_EQ(intersections_of(triangle_and({{0.2, 0.2, 0.0}, {0.2, 0.2, 1.0}})).size(), 1U);
-    EXPECT_EQ(intersections_of(triangle_and({{0.2, 0.2, tiny}, {0.2, 0.2, 1.0}})).size(), 0U);
-    EXPECT_EQ(intersections_of(triangle_and({{0.5, 0.5, -1.0}, {0.5, 0.5, 1.0}})).size(), 1U);
-    EXPECT_EQ(intersections_of(triangle_and({{0.5, 0.5000000000000001, -1.0}, {0.5, 0.5000000000000001, 1.0}}))
+    EXPECT_EQ(intersections_of(triangle_and({{0.2, 0.2, 0.0}, {0.2, 0.2, 1.0}})).size(),
+              1U);
+    EXPECT_EQ(intersections_of(triangle_and({{0.2, 0.2, tiny}, {0.2, 0.2, 1.0}})).size(),
+              0U);
+    EXPECT_EQ(intersections_of(triangle_and({{0.5, 0.5, -1.0}, {0.5, 0.5, 1.0}})).size(),
+              1U);
+    EXPECT_EQ(intersections_of(triangle_and({{0.5, 0.5000000000000001, -1.0},
+                                             {0.5, 0.5000000000000001, 1.0}}))
                   .size(),
               0U);
     // In the plane of the triangle: across it, inside, outside.
-    EXPECT_EQ(intersections_of(triangle_and({{-1.0, 0.3, 0.0}, {2.0, 0.3, 0.0}})).size(), 1U);
-    EXPECT_EQ(intersections_of(triangle_and({{0.1, 0.1, 0.0}, {0.3, 0.3, 0.0}})).size(), 1U);
-    EXPECT_EQ(intersections_of(triangle_and({{0.6, 0.6, 0.0}, {2.0, 0.3, 0.0}})).size(), 0U);
+    EXPECT_EQ(intersections_of(triangle_and({{-1.0, 0.3, 0.0}, {2.0, 0.3, 0.0}})).size(),
+              1U);
+    EXPECT_EQ(intersections_of(triangle_and({{0.1, 0.1, 0.0}, {0.3, 0.3, 0.0}})).size(),
+              1U);
+    EXPECT_EQ(intersections_of(triangle_and({{0.6, 0.6, 0.0}, {2.0, 0.3, 0.0}})).size(),
+              0U);
 }
 
 TEST(Intersections, PlaceIsWhereTheEdgePierces) {
-    const Intersections found = intersections_of(triangle_and({{0.1, 0.2, -1.0}, {0.3, 0.2, 3.0}}));
+    const Intersections found =
+        intersections_of(triangle_and({{0.1, 0.2, -1.0}, {0.3, 0.2, 3.0}}));
     ASSERT_EQ(found.edge_triangle.size(), 1U);
     const EdgeTriangleIntersection& hit = found.edge_triangle[0];
     EXPECT_EQ(hit.edge, (Int2{{3, 4}}));
@@ -153,13 +163,17 @@ TEST(Intersections, AreEqualForEveryExecutorAndThreadCount) {
     const auto key = [](const Intersections& found) {
         std::vector<std::vector<double>> out;
         for (const auto& hit : found.edge_triangle)
-            out.push_back({double(hit.edge[0]), double(hit.edge[1]), double(hit.triangle[0]), hit.place.x});
+            out.push_back({double(hit.edge[0]),
+                           double(hit.edge[1]),
+                           double(hit.triangle[0]),
+                           hit.place.x});
         return out;
     };
     const auto expected = key(intersections_of(s));
     EXPECT_GT(expected.size(), 100U);
-    on_all_executors([&](auto& exec) { return key(intersections_of(exec, s)); },
-                     [&](const auto& found, const char* name) { EXPECT_EQ(found, expected) << name; });
+    on_all_executors(
+        [&](auto& exec) { return key(intersections_of(exec, s)); },
+        [&](const auto& found, const char* name) { EXPECT_EQ(found, expected) << name; });
 }
 
 TEST(Intersections, VerticesThatAreNotFiniteAreReported) {
@@ -176,14 +190,21 @@ TEST(Intersections, NothingInAnEmptyMesh) {
 }
 
 TEST(CountInverted, UsesTheExactSign) {
-    const std::vector<Vec3d> x = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-290}, {0.3, 0.3, 0.0},
+    const std::vector<Vec3d> x = {{0, 0, 0},
+                                  {1, 0, 0},
+                                  {0, 1, 0},
+                                  {0.3, 0.3, 1e-290},
+                                  {0.3, 0.3, 0.0},
                                   {0.3, 0.3, -1.0}};
-    const std::vector<Int4> tets = {{{0, 1, 2, 3}}, {{0, 1, 2, 4}}, {{0, 1, 2, 5}}, {{0, 2, 1, 5}}};
+    const std::vector<Int4> tets = {
+        {{0, 1, 2, 3}}, {{0, 1, 2, 4}}, {{0, 1, 2, 5}}, {{0, 2, 1, 5}}};
     SerialExec exec;
-    const InvertedTets found = count_inverted(exec, View<const Int4>{tets.data(), 4}, view_of(x));
+    const InvertedTets found =
+        count_inverted(exec, View<const Int4>{tets.data(), 4}, view_of(x));
     EXPECT_EQ(found.count, 2);
     EXPECT_EQ(found.first, 1);
-    const InvertedTets none = count_inverted(exec, View<const Int4>{tets.data(), 1}, view_of(x));
+    const InvertedTets none =
+        count_inverted(exec, View<const Int4>{tets.data(), 1}, view_of(x));
     EXPECT_EQ(none.count, 0);
     EXPECT_EQ(none.first, -1);
 }

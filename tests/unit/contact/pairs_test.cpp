@@ -23,7 +23,8 @@ struct PairLists {
     friend bool operator==(const PairLists&, const PairLists&) = default;
 
     [[nodiscard]] std::size_t size() const {
-        return pp.size() + pe.size() + pt.size() + ee.size() + planes.size() + mollified.size();
+        return pp.size() + pe.size() + pt.size() + ee.size() + planes.size()
+             + mollified.size();
     }
 };
 
@@ -84,7 +85,8 @@ PairLists brute_pairs(const Shape& s, double dhat) {
     PairLists out;
     const auto all = [](int, int) { return true; };
     for (const auto& [v, t] : brute_vertex_triangle(s, all)) {
-        const ClosestFeature f = classify_point_triangle(vertex_triangle_stencil(s, v, t, s.x));
+        const ClosestFeature f =
+            classify_point_triangle(vertex_triangle_stencil(s, v, t, s.x));
         const Int3& c = s.mesh.triangles[std::size_t(t)];
         if (std::sqrt(f.d_sq) < dhat) add_brute_pair(f, {{v, c[0], c[1], c[2]}}, out);
         out.gap = std::min(out.gap, std::sqrt(f.d_sq));
@@ -97,7 +99,8 @@ PairLists brute_pairs(const Shape& s, double dhat) {
         const Int2& ea = s.mesh.edges[std::size_t(a)];
         const Int2& eb = s.mesh.edges[std::size_t(b)];
         const Int4 v{{ea[0], ea[1], eb[0], eb[1]}};
-        const double eps = 1e-3 * s.mesh.edge_rest_sq[std::size_t(a)] * s.mesh.edge_rest_sq[std::size_t(b)];
+        const double eps = 1e-3 * s.mesh.edge_rest_sq[std::size_t(a)]
+                         * s.mesh.edge_rest_sq[std::size_t(b)];
         if (edge_cross_sq(stencil) < eps) {
             MollifiedPair m{v, f.kind, {-1, -1, -1, -1}, eps};
             for (int k = 0; k < 4; ++k)
@@ -164,7 +167,13 @@ TEST(Pairs, SharedClosestFeaturesCountOncePerCandidate) {
 
 TEST(Pairs, ParallelEdgesAreMollifiedByRestLength) {
     Shape s;
-    s.x = {{0, 0, 0}, {1, 0, 0}, {0.3, 0, 0.1}, {0.7, 0, 0.1}, {0, 0, 5}, {1, 0, 5}, {0.5, -1, 5.1},
+    s.x = {{0, 0, 0},
+           {1, 0, 0},
+           {0.3, 0, 0.1},
+           {0.7, 0, 0.1},
+           {0, 0, 5},
+           {1, 0, 5},
+           {0.5, -1, 5.1},
            {0.5, 1, 5.1}};
     complete(s, {{{0, 1}}, {{2, 3}}, {{4, 5}}, {{6, 7}}});
     SerialExec exec;

@@ -10,29 +10,41 @@ namespace {
 using namespace contact_test;
 
 template <class Exec>
-StepBound bound_of(Exec& exec, const Shape& s, const std::vector<Vec3d>& p, double inflation,
+StepBound bound_of(Exec& exec,
+                   const Shape& s,
+                   const std::vector<Vec3d>& p,
+                   double inflation,
                    const AdvanceParams& params = {}) {
     DeviceCollisionMesh<Exec> mesh;
     mesh.upload(exec, s.mesh);
     BroadPhase<Exec> broad_phase;
     Candidates<Exec> candidates;
-    find_candidates(exec, mesh, broad_phase, s.view(), view_of(p), 1.0, inflation, candidates);
+    find_candidates(
+        exec, mesh, broad_phase, s.view(), view_of(p), 1.0, inflation, candidates);
     StepBoundWork<Exec> work;
     return step_bound(exec, mesh, candidates, s.view(), view_of(p), 1.0, params, work);
 }
 
 /// Smallest bound over all pairs of the mesh, each advanced to the full end.
-double brute_bound(const Shape& s, const std::vector<Vec3d>& p, const AdvanceParams& params) {
+double brute_bound(const Shape& s,
+                   const std::vector<Vec3d>& p,
+                   const AdvanceParams& params) {
     double alpha = 1.0;
     const auto all = [](int, int) { return true; };
     for (const auto& [v, t] : brute_vertex_triangle(s, all))
-        alpha = std::min(alpha, advance_point_triangle(vertex_triangle_stencil(s, v, t, s.x),
-                                                       vertex_triangle_stencil(s, v, t, p), 1.0, params)
-                                    .t);
+        alpha = std::min(alpha,
+                         advance_point_triangle(vertex_triangle_stencil(s, v, t, s.x),
+                                                vertex_triangle_stencil(s, v, t, p),
+                                                1.0,
+                                                params)
+                             .t);
     for (const auto& [a, b] : brute_edge_edge(s, all))
-        alpha = std::min(alpha, advance_edge_edge(edge_edge_stencil(s, a, b, s.x),
-                                                  edge_edge_stencil(s, a, b, p), 1.0, params)
-                                    .t);
+        alpha = std::min(alpha,
+                         advance_edge_edge(edge_edge_stencil(s, a, b, s.x),
+                                           edge_edge_stencil(s, a, b, p),
+                                           1.0,
+                                           params)
+                             .t);
     return alpha;
 }
 
@@ -82,9 +94,12 @@ TEST(StepBound, KeepsEveryGapOpenAndTheStateFreeOfIntersections) {
         const std::vector<Vec3d> x = moved(s, p, bound.alpha);
         EXPECT_EQ(intersections_of(s, x), 0U);
         brute_vertex_triangle(s, [&](int v, int t) {
-            const double before = classify_point_triangle(vertex_triangle_stencil(s, v, t, s.x)).d_sq;
-            const double after = classify_point_triangle(vertex_triangle_stencil(s, v, t, x)).d_sq;
-            EXPECT_GE(std::sqrt(after), std::min(0.2 * std::sqrt(before), 0.02) * (1.0 - 1e-9));
+            const double before =
+                classify_point_triangle(vertex_triangle_stencil(s, v, t, s.x)).d_sq;
+            const double after =
+                classify_point_triangle(vertex_triangle_stencil(s, v, t, x)).d_sq;
+            EXPECT_GE(std::sqrt(after),
+                      std::min(0.2 * std::sqrt(before), 0.02) * (1.0 - 1e-9));
             return false;
         });
     }
@@ -98,7 +113,8 @@ TEST(StepBound, RepeatedStepsNeverIntersect) {
     for (int step = 0; step < 25; ++step) {
         std::vector<Vec3d> p;
         for (std::size_t i = 0; i < s.x.size(); ++i)
-            p.push_back(Vec3d{s.mesh.body[i] == 0 ? 0.05 : -0.05, 0.0, 0.0} + random_vector(rng, 0.05));
+            p.push_back(Vec3d{s.mesh.body[i] == 0 ? 0.05 : -0.05, 0.0, 0.0}
+                        + random_vector(rng, 0.05));
         const StepBound bound = bound_of(exec, s, p, 0.01);
         ASSERT_GT(bound.alpha, 0.0);
         s.x = moved(s, p, bound.alpha);
@@ -108,7 +124,14 @@ TEST(StepBound, RepeatedStepsNeverIntersect) {
 
 TEST(StepBound, NamesTheLimitingPair) {
     Shape s;
-    s.x = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.5}, {9, 0, 0}, {9, 1, 0}, {9.5, 0.5, -1}, {9.5, 0.5, 1}};
+    s.x = {{0, 0, 0},
+           {1, 0, 0},
+           {0, 1, 0},
+           {0.2, 0.2, 0.5},
+           {9, 0, 0},
+           {9, 1, 0},
+           {9.5, 0.5, -1},
+           {9.5, 0.5, 1}};
     s.mesh.triangles = {{{0, 1, 2}}};
     s.mesh.planes = {{{0, 0, 1}, -20.0}};
     complete(s, {{{4, 5}}, {{6, 7}}}, {3});

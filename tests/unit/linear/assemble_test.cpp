@@ -31,7 +31,8 @@ TEST(AssembleSparse, MatchesDenseMatrixOfTheFreeUnknowns) {
         fixed[v] = 1;
     const Numbering numbering = number_free_vertices(fixed);
     ASSERT_EQ(numbering.vertex.size(), 48u);
-    const SparseMatrix sparse = assemble_sparse(exec, loaded.matrix, loaded.terms, numbering);
+    const SparseMatrix sparse =
+        assemble_sparse(exec, loaded.matrix, loaded.terms, numbering);
     const Eigen::MatrixXd got = to_dense(sparse);
     const Eigen::MatrixXd dense = dense_elements(s) + dense_terms(s);
     for (int i = 0; i < 48; ++i)
@@ -71,8 +72,11 @@ TEST(AssembleSparse, RowsAreAscendingInEveryColumn) {
     const RandomSystem s = random_system(53, 120, 60, 5);
     SerialExec exec;
     const auto loaded = load(exec, s);
-    const auto sparse = assemble_sparse(
-        exec, loaded.matrix, loaded.terms, number_free_vertices(std::vector<std::uint8_t>(53, 0)));
+    const auto sparse =
+        assemble_sparse(exec,
+                        loaded.matrix,
+                        loaded.terms,
+                        number_free_vertices(std::vector<std::uint8_t>(53, 0)));
     for (std::size_t c = 0; c + 1 < sparse.col_begin.size(); ++c) {
         const auto begin = sparse.row.begin() + sparse.col_begin[c];
         const auto end = sparse.row.begin() + sparse.col_begin[c + 1];

@@ -15,7 +15,8 @@ class BlockMatrixOn : public testing::Test {
   public:
     Exec exec;
 
-    std::vector<Vec3d> product(const BlockMatrix<Exec>& matrix, const std::vector<Vec3d>& x) {
+    std::vector<Vec3d> product(const BlockMatrix<Exec>& matrix,
+                               const std::vector<Vec3d>& x) {
         std::vector<Vec3d> y(x.size());
         matrix.multiply(exec, view_of(x), view_of(y));
         return y;
@@ -41,7 +42,8 @@ TYPED_TEST(BlockMatrixOn, QuadraticFormAndDiagonalMatchDenseMatrix) {
     const Eigen::MatrixXd dense = dense_elements(s);
     const auto x = random_vector(71, 8);
     const double expected = to_eigen(x).dot(dense * to_eigen(x));
-    EXPECT_NEAR(loaded.matrix.quadratic_form(this->exec, view_of(x)), expected, 1e-12 * expected);
+    EXPECT_NEAR(
+        loaded.matrix.quadratic_form(this->exec, view_of(x)), expected, 1e-12 * expected);
 
     std::vector<Mat3d> blocks(71);
     loaded.matrix.diagonal_blocks(this->exec, view_of(blocks));
@@ -60,9 +62,10 @@ TYPED_TEST(BlockMatrixOn, AxpyAddsScaledMatrix) {
     const auto b = load(this->exec, s);
     const auto x = random_vector(40, 9);
     const Eigen::VectorXd expected = to_eigen(this->product(a.matrix, x))
-                                     + 0.25 * to_eigen(this->product(b.matrix, x));
+                                   + 0.25 * to_eigen(this->product(b.matrix, x));
     a.matrix.axpy(this->exec, 0.25, b.matrix);
-    EXPECT_LT((to_eigen(this->product(a.matrix, x)) - expected).norm(), 1e-13 * expected.norm());
+    EXPECT_LT((to_eigen(this->product(a.matrix, x)) - expected).norm(),
+              1e-13 * expected.norm());
 }
 
 TYPED_TEST(BlockMatrixOn, SetUpperWritesBothTriangles) {
@@ -94,7 +97,8 @@ TEST(BlockMatrix, HasTheSameBitsOnEveryExecutorAndThreadCount) {
     const auto reference = fingerprint<SerialExec>(s);
     EXPECT_TRUE(same_bits(fingerprint<ShuffledExec>(s), reference));
     for (const std::size_t threads : {1, 2, 3, 4}) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                        threads);
         EXPECT_TRUE(same_bits(fingerprint<CpuExec>(s), reference)) << threads;
     }
 }

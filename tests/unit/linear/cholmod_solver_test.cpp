@@ -2,7 +2,6 @@
 #include "linear/cholmod_solver.hpp"
 
 #include "linear/pcg.hpp"
-
 #include "random_system.hpp"
 
 namespace noli {
@@ -31,8 +30,13 @@ TEST(CholmodSolver, AgreesWithPcgAndDenseSolve) {
 
     CholmodSolver solver;
     HostBuffer<Vec3d> direct;
-    ASSERT_EQ(solve_direct(
-                  exec, solver, loaded.matrix, loaded.terms, view_of(b), view_of(fixed), direct),
+    ASSERT_EQ(solve_direct(exec,
+                           solver,
+                           loaded.matrix,
+                           loaded.terms,
+                           view_of(b),
+                           view_of(fixed),
+                           direct),
               Outcome::Solved);
     std::vector<Vec3d> iterative(201);
     Pcg<CpuExec> pcg;
@@ -48,7 +52,8 @@ TEST(CholmodSolver, AgreesWithPcgAndDenseSolve) {
     const std::vector<Vec3d> x(direct.view().begin(), direct.view().end());
     EXPECT_LT((to_eigen(x) - to_eigen(iterative)).norm(), 1e-10 * to_eigen(x).norm());
 
-    Eigen::VectorXd residual = to_eigen(b) - (dense_elements(s) + dense_terms(s)) * to_eigen(x);
+    Eigen::VectorXd residual =
+        to_eigen(b) - (dense_elements(s) + dense_terms(s)) * to_eigen(x);
     for (const int v : {0, 77, 200}) {
         residual.segment<3>(3 * v).setZero();
         EXPECT_EQ(norm(x[static_cast<std::size_t>(v)]), 0.0);

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Reader of the dumped Newton systems (format IPCSYS01) in NOLI_SHARED_DIR/linear-systems.
+/// Reader of the dumped Newton systems (format IPCSYS01) in
+/// NOLI_SHARED_DIR/linear-systems.
 
 #include "core/vec.hpp"
-
-#include <zlib.h>
 
 #include <cstdint>
 #include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
+#include <zlib.h>
 
 namespace noli::test {
 
 struct IpcSystem {
     int num_vertices = 0;
-    std::vector<Vec3d> positions;     ///< of this Newton iterate
+    std::vector<Vec3d> positions;  ///< of this Newton iterate
     std::vector<std::uint8_t> fixed;
-    std::vector<Int2> couplings;      ///< upper blocks by rows, diagonal included
-    std::vector<Mat3d> a;             ///< upper blocks of the whole Hessian
-    std::vector<Mat3d> a0;            ///< the same without contact
-    std::vector<Vec3d> b, x;          ///< right-hand side and the direct solution
+    std::vector<Int2> couplings;  ///< upper blocks by rows, diagonal included
+    std::vector<Mat3d> a;         ///< upper blocks of the whole Hessian
+    std::vector<Mat3d> a0;        ///< the same without contact
+    std::vector<Vec3d> b, x;      ///< right-hand side and the direct solution
 };
 
 namespace detail {
@@ -54,7 +54,8 @@ class GzipStream {
 
 /// Nothing when the file is missing or cut short.
 inline std::optional<IpcSystem> read_ipc_system(const std::string& name) {
-    detail::GzipStream in(std::string(NOLI_SHARED_DIR) + "/linear-systems/" + name + ".bin.gz");
+    detail::GzipStream in(std::string(NOLI_SHARED_DIR) + "/linear-systems/" + name
+                          + ".bin.gz");
     if (!in.is_open()) return std::nullopt;
     const auto magic = in.read<char>(8);
     const auto header = in.read<std::int32_t>(8);

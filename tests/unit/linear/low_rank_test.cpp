@@ -28,8 +28,9 @@ TYPED_TEST(LowRankTermsOn, MultiplyAddMatchesDenseMatrix) {
         loaded.terms.multiply_add(this->exec, view_of(x), view_of(y));
         EXPECT_LT((to_eigen(y) - expected).norm(), 1e-13 * expected.norm()) << terms;
         const double form = to_eigen(x).dot(dense_terms(s) * to_eigen(x));
-        EXPECT_NEAR(
-            loaded.terms.quadratic_form(this->exec, view_of(x)), form, 1e-12 * form + 1e-300);
+        EXPECT_NEAR(loaded.terms.quadratic_form(this->exec, view_of(x)),
+                    form,
+                    1e-12 * form + 1e-300);
     }
 }
 
@@ -63,7 +64,9 @@ TYPED_TEST(LowRankTermsOn, IncidenceListsEverySlotOfEachTouchedVertexInOrder) {
         if (list.empty()) continue;
         ASSERT_LT(i, touched.size);
         EXPECT_EQ(touched[i], v);
-        EXPECT_EQ(std::vector<int>(slots.begin() + begin[i], slots.begin() + begin[i + 1]), list);
+        EXPECT_EQ(
+            std::vector<int>(slots.begin() + begin[i], slots.begin() + begin[i + 1]),
+            list);
         ++i;
     }
     EXPECT_EQ(i, touched.size);
@@ -130,7 +133,8 @@ TEST(LowRankTerms, HaveTheSameBitsOnEveryExecutorAndThreadCount) {
     const auto reference = fingerprint<SerialExec>(s);
     EXPECT_TRUE(same_bits(fingerprint<ShuffledExec>(s), reference));
     for (const std::size_t threads : {1, 2, 3, 4}) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                        threads);
         EXPECT_TRUE(same_bits(fingerprint<CpuExec>(s), reference)) << threads;
     }
 }

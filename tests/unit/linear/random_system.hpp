@@ -38,14 +38,17 @@ inline Int4 random_vertices(std::mt19937& rng, int num_vertices, int reach) {
         v[0] = first(rng);
         for (int k = 1; k < 4; ++k)
             v[k] = (v[0] + offset(rng)) % num_vertices;
-        different = v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]
-                    && v[2] != v[3];
+        different = v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2]
+                 && v[1] != v[3] && v[2] != v[3];
     }
     return v;
 }
 
 /// A system with SPD element blocks. The last two vertices belong to no element.
-inline RandomSystem random_system(int num_vertices, int num_elements, int num_terms, int seed) {
+inline RandomSystem random_system(int num_vertices,
+                                  int num_elements,
+                                  int num_terms,
+                                  int seed) {
     std::mt19937 rng(static_cast<unsigned>(seed));
     std::normal_distribution<double> normal;
     RandomSystem s;
@@ -74,7 +77,8 @@ inline RandomSystem random_system(int num_vertices, int num_elements, int num_te
         for (int m = 0; m < t % 4; ++m) {
             Mode mode{};
             for (int k = 0; k < 4; ++k)
-                if (v[k] >= 0) mode.q[k] = {3 * normal(rng), 3 * normal(rng), 3 * normal(rng)};
+                if (v[k] >= 0)
+                    mode.q[k] = {3 * normal(rng), 3 * normal(rng), 3 * normal(rng)};
             s.modes.push_back(mode);
         }
         s.first_mode.push_back(static_cast<int>(s.modes.size()));
@@ -88,7 +92,8 @@ inline Eigen::MatrixXd dense_elements(const RandomSystem& s) {
         const double* block = s.element_blocks.data() + 90 * e;
         for (int a = 0; a < 4; ++a)
             for (int b = a; b < 4; ++b, block += 9) {
-                const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> m(block);
+                const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> m(
+                    block);
                 const int i = 3 * s.elements[e][a];
                 const int j = 3 * s.elements[e][b];
                 dense.block<3, 3>(i, j) += m;
@@ -164,7 +169,8 @@ inline Eigen::VectorXd to_eigen(const std::vector<Vec3d>& v) {
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+    return a.size() == b.size()
+        && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 }  // namespace noli::test

@@ -12,7 +12,8 @@
 
 namespace noli::test {
 
-/// Valid scenes that use every field; `tet.mesh` and `triangle.obj` must lie in the base folder.
+/// Valid scenes that use every field; `tet.mesh` and `triangle.obj` must lie in the base
+/// folder.
 class RandomScene {
   public:
     explicit RandomScene(unsigned seed) : random_(seed) {}
@@ -29,7 +30,10 @@ class RandomScene {
         for (int i = 0; i < num_bodies; ++i)
             s.bodies.push_back(body(i));
         for (int i = between(0, 2); i > 0; --i)
-            s.half_spaces.push_back({"wall" + std::to_string(i), vector(), vector(), flip() ? positive() : 0.0});
+            s.half_spaces.push_back({"wall" + std::to_string(i),
+                                     vector(),
+                                     vector(),
+                                     flip() ? positive() : 0.0});
         fill_contact(s);
         fill_solver(s);
         return s;
@@ -37,7 +41,9 @@ class RandomScene {
 
   private:
     bool flip() { return random_() % 2 == 0; }
-    int between(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+    int between(int low, int high) {
+        return std::uniform_int_distribution<int>(low, high)(random_);
+    }
     double number() {
         if (random_() % 8 == 0) return flip() ? 0.0 : -0.0;
         const double magnitude = std::uniform_real_distribution<double>(-12, 12)(random_);
@@ -71,7 +77,8 @@ class RandomScene {
             return m;
         }
         const auto& table = generator_table();
-        const GeneratorEntry& entry = table[static_cast<std::size_t>(between(0, static_cast<int>(table.size()) - 1))];
+        const GeneratorEntry& entry = table[static_cast<std::size_t>(
+            between(0, static_cast<int>(table.size()) - 1))];
         m.generator = entry.name;
         for (const GeneratorParameter& p : entry.parameters)
             if (flip()) m.parameters.emplace_back(p.name, p.fallback);
@@ -102,30 +109,38 @@ class RandomScene {
         const bool load = c.kind == Kind::Force || c.kind == Kind::Acceleration;
         if (c.kind == Kind::Velocity || load) c.linear = vector();
         if (c.kind == Kind::Velocity) c.angular_deg = vector();
-        if ((c.kind == Kind::Velocity || c.kind == Kind::Path) && flip()) c.center = vector();
+        if ((c.kind == Kind::Velocity || c.kind == Kind::Path) && flip())
+            c.center = vector();
         if (c.kind == Kind::Path)
             for (int i = 0, n = between(1, 4); i < n; ++i)
                 c.path.push_back({i + 0.1 * i * i, vector(), vector()});
-        if (c.kind == Kind::Sequence) c.sequence = {"tet.mesh", "triangle.obj", "tet.mesh"};
+        if (c.kind == Kind::Sequence)
+            c.sequence = {"tet.mesh", "triangle.obj", "tet.mesh"};
         if (flip()) c.t_begin = positive();
         if (flip()) c.t_end = c.t_begin + 1 + positive();
         if (flip())
-            c.until = BoundaryCondition::Until{pick<BoundaryCondition::Until::Subject>(2), between(0, 2), flip(),
-                                               number(), flip()};
+            c.until = BoundaryCondition::Until{pick<BoundaryCondition::Until::Subject>(2),
+                                               between(0, 2),
+                                               flip(),
+                                               number(),
+                                               flip()};
         return c;
     }
 
     Body body(int index) {
         Body b;
-        b.name = flip() ? "body" + std::to_string(index) : (flip() ? "thing " + std::to_string(index) : "");
+        b.name = flip() ? "body" + std::to_string(index)
+                        : (flip() ? "thing " + std::to_string(index) : "");
         b.mesh = mesh();
         b.transform = affine();
         if (flip()) {
             b.material.model = pick<Material::Model>(3);
-            b.material.gipc_lame = b.material.model == Material::Model::StableNeoHookean && flip();
+            b.material.gipc_lame =
+                b.material.model == Material::Model::StableNeoHookean && flip();
             b.material.density = flip() ? positive() : 1000.0;
             b.material.young = positive();
-            b.material.poisson = std::uniform_real_distribution<double>(-0.99, 0.4999)(random_);
+            b.material.poisson =
+                std::uniform_real_distribution<double>(-0.99, 0.4999)(random_);
         }
         b.velocity = flip() ? vector() : Vector3{};
         b.angular_velocity_deg = flip() ? vector() : Vector3{};
@@ -156,9 +171,11 @@ class RandomScene {
         c.friction_iterations = between(0, 4);
         c.min_separation = positive();
         c.pairs.push_back({"*", "*", 0.25, std::nullopt});
-        if (!s.half_spaces.empty()) c.pairs.push_back({"*", s.half_spaces[0].name, std::nullopt, flip()});
+        if (!s.half_spaces.empty())
+            c.pairs.push_back({"*", s.half_spaces[0].name, std::nullopt, flip()});
         const Body& b = s.bodies[0];
-        if (!b.name.empty()) c.pairs.push_back({b.name, b.name + "[0,0,0]", positive(), flip()});
+        if (!b.name.empty())
+            c.pairs.push_back({b.name, b.name + "[0,0,0]", positive(), flip()});
     }
 
     void fill_solver(Scene& s) {

@@ -22,8 +22,11 @@ TEST(SceneToJson, ReadsBackBitForBit) {
         scene.base_folder = folder.path();
         const std::string text = scene_to_json(scene);
         const Result<Scene> back = read_scene(folder.write("scene.json", text));
-        ASSERT_TRUE(back) << seed << "\n" << back.error().where << ": " << back.error().message << "\n" << text;
-        ASSERT_EQ(Flat(back.value()).items(), Flat(scene).items()) << seed << "\n" << text;
+        ASSERT_TRUE(back) << seed << "\n"
+                          << back.error().where << ": " << back.error().message << "\n"
+                          << text;
+        ASSERT_EQ(Flat(back.value()).items(), Flat(scene).items()) << seed << "\n"
+                                                                   << text;
         ASSERT_EQ(scene_to_json(back.value()), text) << seed;
     }
 }
@@ -75,7 +78,8 @@ TEST(ReadScene, FillsInNamesAndBaseFolder) {
 
 TEST(ReadScene, UnderstandsUnitsAndAbsoluteSettings) {
     const ScratchFolder folder;
-    const Scene scene = read_text_scene(folder, R"({ "format_version": 1, "duration": "500 ms", "dt": "5 ms",
+    const Scene scene = read_text_scene(
+        folder, R"({ "format_version": 1, "duration": "500 ms", "dt": "5 ms",
         "gravity": [0, "-981 cm/s^2", 0],
         "bodies": [{ "mesh": { "generator": "box", "size": ["10 cm", 0.2, "30 mm"] },
                      "material": { "preset": "rubber", "young": "5 MPa" },
@@ -85,7 +89,8 @@ TEST(ReadScene, UnderstandsUnitsAndAbsoluteSettings) {
     EXPECT_EQ(scene.duration, 0.5);
     EXPECT_EQ(scene.num_steps(), 100);
     EXPECT_EQ(scene.gravity[1], -9.81);
-    EXPECT_EQ(scene.bodies[0].mesh.parameters[0].second, (std::vector<double>{0.1, 0.2, 0.03}));
+    EXPECT_EQ(scene.bodies[0].mesh.parameters[0].second,
+              (std::vector<double>{0.1, 0.2, 0.03}));
     EXPECT_EQ(scene.bodies[0].material.young, 5e6);
     EXPECT_EQ(scene.bodies[0].material.density, 950);
     EXPECT_EQ(scene.bodies[0].angular_velocity_deg[0], 180);
@@ -115,7 +120,8 @@ TEST(ReadScene, ComposesTransforms) {
 TEST(ReadScene, UnderstandsShorthands) {
     const ScratchFolder folder;
     folder.write("meshes/tet.mesh", test::kTetMesh);
-    const Scene scene = read_text_scene(folder, R"({ "format_version": 1, "base_folder": "meshes", // relative
+    const Scene scene = read_text_scene(
+        folder, R"({ "format_version": 1, "base_folder": "meshes", // relative
         "bodies": [{ "mesh": "tet.mesh", "material": "steel", "boundary": [{ "kind": "fixed", "select": "all" }] }] })");
     EXPECT_EQ(scene.bodies[0].mesh.file, "tet.mesh");
     EXPECT_EQ(scene.bodies[0].material.young, 2.1e11);

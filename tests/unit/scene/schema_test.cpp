@@ -6,10 +6,10 @@
 #include "unit/scene/random_scene.hpp"
 #include "unit/scene/scratch_folder.hpp"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fmt/format.h>
 #include <map>
 #include <set>
 #include <sstream>
@@ -20,20 +20,27 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kSource = NOLI_SOURCE_DIR;
 
-const char* schema_hint() { return "update docs/scene.schema.json: NOLI_UPDATE_SCHEMA=1 unit_scene --gtest_filter='SceneSchema.*'"; }
+const char* schema_hint() {
+    return "update docs/scene.schema.json: NOLI_UPDATE_SCHEMA=1 unit_scene "
+           "--gtest_filter='SceneSchema.*'";
+}
 
 TEST(SceneSchema, PublishedFileIsWhatTheReaderAccepts) {
     const std::string path = kSource + "/docs/scene.schema.json";
-    if (std::getenv("NOLI_UPDATE_SCHEMA") != nullptr) std::ofstream(path) << scene_schema();
+    if (std::getenv("NOLI_UPDATE_SCHEMA") != nullptr)
+        std::ofstream(path) << scene_schema();
     EXPECT_EQ(test::read_text(path), scene_schema()) << schema_hint();
 }
 
 /// All objects of the schema by their place: "bodies[]", "bodies[].mesh(box)", ...
-void collect(const Json& schema, const std::string& place, std::map<std::string, Json>& objects) {
+void collect(const Json& schema,
+             const std::string& place,
+             std::map<std::string, Json>& objects) {
     if (schema.contains("properties")) {
         std::string name = place;
         const Json& properties = schema["properties"];
-        if (properties.contains("generator")) name += "(" + properties["generator"]["const"].get<std::string>() + ")";
+        if (properties.contains("generator"))
+            name += "(" + properties["generator"]["const"].get<std::string>() + ")";
         objects[name] = properties;
         for (const auto& [key, value] : properties.items())
             collect(value, (place.empty() ? "" : place + ".") + key, objects);
@@ -50,7 +57,8 @@ std::map<std::string, Json> schema_objects() {
     return objects;
 }
 
-/// Tables of the page after each `<!-- keys: PLACE -->`: first cell (without backquotes) -> whole row.
+/// Tables of the page after each `<!-- keys: PLACE -->`: first cell (without backquotes)
+/// -> whole row.
 std::map<std::string, std::map<std::string, std::string>> documented_keys() {
     std::map<std::string, std::map<std::string, std::string>> tables;
     std::istringstream page(test::read_text(kSource + "/docs/scene-format.md"));
@@ -86,7 +94,8 @@ TEST(SceneFormatPage, HasATableForEveryObjectWithExactlyItsKeys) {
         EXPECT_EQ(found, expected) << place;
     }
     for (const auto& [place, rows] : tables)
-        EXPECT_TRUE(objects.contains(place)) << place << " is documented but does not exist";
+        EXPECT_TRUE(objects.contains(place))
+            << place << " is documented but does not exist";
 }
 
 TEST(SceneFormatPage, StatesTheDefaultsOfTheReader) {
@@ -101,7 +110,8 @@ TEST(SceneFormatPage, StatesTheDefaultsOfTheReader) {
             text = text.substr(0, text.rfind('\n'));
             const std::string& row = tables.at(place).at(key);
             EXPECT_NE(row.find("| `" + text + "` |"), std::string::npos)
-                << place << "." << key << " has default " << text << "\n" << row;
+                << place << "." << key << " has default " << text << "\n"
+                << row;
         }
     }
 }
@@ -114,13 +124,19 @@ TEST(SceneFormatPage, ListsEveryGeneratorParameterAndPreset) {
             for (const double value : p.fallback)
                 fallback += (fallback.empty() ? "" : ", ") + fmt::format("{}", value);
             if (p.fallback.size() > 1) fallback = "[" + fallback + "]";
-            if (p.kind == GeneratorParameter::Kind::Flag) fallback = p.fallback[0] != 0 ? "true" : "false";
-            const std::string row = fmt::format("| `{}` | `{}` | `{}` |", entry.name, p.name, fallback);
+            if (p.kind == GeneratorParameter::Kind::Flag)
+                fallback = p.fallback[0] != 0 ? "true" : "false";
+            const std::string row =
+                fmt::format("| `{}` | `{}` | `{}` |", entry.name, p.name, fallback);
             EXPECT_NE(page.find(row), std::string::npos) << row;
         }
     for (const MaterialPreset& m : material_presets()) {
-        const std::string row =
-            fmt::format("| `{}` | {} | {:g} | {} | {} |", m.name, m.density, m.young, m.poisson, m.doc);
+        const std::string row = fmt::format("| `{}` | {} | {:g} | {} | {} |",
+                                            m.name,
+                                            m.density,
+                                            m.young,
+                                            m.poisson,
+                                            m.doc);
         EXPECT_NE(page.find(row), std::string::npos) << row;
     }
 }
@@ -129,7 +145,8 @@ TEST(SceneFormatPage, ListsEveryGeneratorParameterAndPreset) {
 std::vector<std::string> page_examples() {
     std::vector<std::string> examples;
     const std::string page = test::read_text(kSource + "/docs/scene-format.md");
-    for (std::size_t at = page.find("```json\n"); at != std::string::npos; at = page.find("```json\n", at)) {
+    for (std::size_t at = page.find("```json\n"); at != std::string::npos;
+         at = page.find("```json\n", at)) {
         const std::size_t end = page.find("```", at + 8);
         examples.push_back(page.substr(at + 8, end - at - 8));
         at = end;
@@ -144,7 +161,8 @@ TEST(SceneFormatPage, ExamplesAreValidScenes) {
     ASSERT_GE(examples.size(), 2u);
     for (const std::string& example : examples) {
         const auto scene = read_scene(folder.write("example.json", example));
-        EXPECT_TRUE(scene) << scene.error().where << ": " << scene.error().message << "\n" << example;
+        EXPECT_TRUE(scene) << scene.error().where << ": " << scene.error().message << "\n"
+                           << example;
     }
 }
 
@@ -166,17 +184,26 @@ TEST(SceneSchema, AcceptsWrittenScenesAndRefusesUnknownKeysInAValidator) {
         GTEST_SKIP() << "python3 with jsonschema is not installed";
     const test::ScratchFolder folder;
     for (unsigned seed = 0; seed < 40; ++seed)
-        folder.write(fmt::format("good/{}.json", seed), scene_to_json(test::RandomScene(seed).make()));
+        folder.write(fmt::format("good/{}.json", seed),
+                     scene_to_json(test::RandomScene(seed).make()));
     const std::string body = R"("bodies": [{ "mesh": { "generator": "box" } }])";
     folder.write("bad/top.json", R"({ "format_version": 1, "bodys": [], )" + body + "}");
     folder.write("bad/version.json", "{" + body + "}");
     folder.write("bad/type.json", R"({ "format_version": 1, "dt": true, )" + body + "}");
     folder.write("bad/range.json", R"({ "format_version": 1, "dt": 0, )" + body + "}");
-    folder.write("bad/contact.json", R"({ "format_version": 1, "contact": { "dHat": 1 }, )" + body + "}");
-    folder.write("bad/generator.json", R"({ "format_version": 1, "bodies": [{ "mesh": { "generator": "box", "radius": 1 } }] })");
-    folder.write("bad/choice.json", R"({ "format_version": 1, "solver": { "linear": "lu" }, )" + body + "}");
-    const std::string command = fmt::format("python3 {} {}/docs/scene.schema.json {}/good {}/bad", script, kSource,
-                                            folder.path(), folder.path());
+    folder.write("bad/contact.json",
+                 R"({ "format_version": 1, "contact": { "dHat": 1 }, )" + body + "}");
+    folder.write(
+        "bad/generator.json",
+        R"({ "format_version": 1, "bodies": [{ "mesh": { "generator": "box", "radius": 1 } }] })");
+    folder.write("bad/choice.json",
+                 R"({ "format_version": 1, "solver": { "linear": "lu" }, )" + body + "}");
+    const std::string command =
+        fmt::format("python3 {} {}/docs/scene.schema.json {}/good {}/bad",
+                    script,
+                    kSource,
+                    folder.path(),
+                    folder.path());
     EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-
 #include <unistd.h>
 
 namespace noli::test {
@@ -17,7 +16,8 @@ class ScratchFolder {
     ScratchFolder() {
         static std::atomic<int> count{0};
         path_ = std::filesystem::temp_directory_path()
-                / ("noli_scene_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+              / ("noli_scene_" + std::to_string(::getpid()) + "_"
+                 + std::to_string(count++));
         std::filesystem::create_directories(path_);
     }
     ScratchFolder(const ScratchFolder&) = delete;
@@ -47,7 +47,8 @@ inline std::string read_text(const std::string& path) {
 
 /// One tetrahedron with corners at the origin and the unit points.
 inline constexpr const char* kTetMesh =
-    "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\n"
+    "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 "
+    "0\nTetrahedra\n1\n1 2 3 4 0\n"
     "End\n";
 /// A triangle in the plane y = 0 with extents 1 along x and z.
 inline constexpr const char* kTriangleObj = "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n";

@@ -19,24 +19,33 @@ TEST(EditDistance, CountsSlips) {
 }
 
 TEST(NearestWord, SuggestsOnlyWhatIsNear) {
-    EXPECT_EQ(nearest_word("frictoin", {"friction", "fraction"}).value_or(""), "friction");
+    EXPECT_EQ(nearest_word("frictoin", {"friction", "fraction"}).value_or(""),
+              "friction");
     EXPECT_FALSE(nearest_word("banana", {"friction", "dhat"}).has_value());
     EXPECT_EQ(did_you_mean("dht", {"dhat", "dt"}), "; did you mean \"dhat\"?");
 }
 
 TEST(ParseJson, NamesLineAndColumnOfBadSyntax) {
-    const auto where = [](const char* text) { return parse_json(text, "s.json").error().where; };
+    const auto where = [](const char* text) {
+        return parse_json(text, "s.json").error().where;
+    };
     EXPECT_EQ(where("{\n  \"a\": 1,\n  \"b\" 2\n}"), "s.json:3:7");
     EXPECT_EQ(where("{\"a\": [1, 2,]}"), "s.json:1:13");
     EXPECT_EQ(where("{\"a\": 01}"), "s.json:1:8");
-    EXPECT_NE(parse_json("{\"a\": [1, 2,]}", "s").error().message.find("remove the comma"), std::string::npos);
-    EXPECT_NE(parse_json("{\"a\": 1", "s").error().message.find("ends too early"), std::string::npos);
-    EXPECT_NE(parse_json("", "s").error().message.find("format_version"), std::string::npos);
-    EXPECT_NE(parse_json("{\"a\": 1e999}", "s").error().message.find("1.8e308"), std::string::npos);
+    EXPECT_NE(
+        parse_json("{\"a\": [1, 2,]}", "s").error().message.find("remove the comma"),
+        std::string::npos);
+    EXPECT_NE(parse_json("{\"a\": 1", "s").error().message.find("ends too early"),
+              std::string::npos);
+    EXPECT_NE(parse_json("", "s").error().message.find("format_version"),
+              std::string::npos);
+    EXPECT_NE(parse_json("{\"a\": 1e999}", "s").error().message.find("1.8e308"),
+              std::string::npos);
 }
 
 TEST(ParseJson, FindsKeysThatAppearTwice) {
-    const auto twice = parse_json(R"({"a": [{"x": 1}, {"y/z": 1, "b": {"x": 1}, "y/z": 2}]})", "s.json");
+    const auto twice =
+        parse_json(R"({"a": [{"x": 1}, {"y/z": 1, "b": {"x": 1}, "y/z": 2}]})", "s.json");
     ASSERT_FALSE(twice);
     EXPECT_EQ(twice.error().where, "s.json:/a/1/y~1z");
     EXPECT_NE(twice.error().message.find("twice"), std::string::npos);
@@ -56,7 +65,8 @@ TEST(PrintJson, ReadsBackBitForBit) {
         const auto value = std::bit_cast<double>(random());
         if (std::isfinite(value)) list.push_back(value);
     }
-    for (const double value : {0.0, -0.0, 0.1, 1e22, 5e-324, 1.7976931348623157e308, 123456789012345680.0})
+    for (const double value :
+         {0.0, -0.0, 0.1, 1e22, 5e-324, 1.7976931348623157e308, 123456789012345680.0})
         list.push_back(value);
     const auto back = parse_json(print_json(Json{{"list", list}}), "s.json");
     ASSERT_TRUE(back);

@@ -54,14 +54,17 @@ TEST(ParseQuantity, ConvertsToSiWithoutRoundingError) {
     };
     for (const Quantity& q : table) {
         const auto parsed = parse_quantity(q.text, q.dimension);
-        ASSERT_TRUE(std::holds_alternative<double>(parsed)) << q.text << ": " << std::get<std::string>(parsed);
+        ASSERT_TRUE(std::holds_alternative<double>(parsed))
+            << q.text << ": " << std::get<std::string>(parsed);
         EXPECT_EQ(std::get<double>(parsed), q.si) << q.text;
     }
 }
 
 TEST(ParseQuantity, ConvertsRadiansToDegrees) {
-    EXPECT_DOUBLE_EQ(std::get<double>(parse_quantity("3.141592653589793 rad", kAngle)), 180.0);
-    EXPECT_DOUBLE_EQ(std::get<double>(parse_quantity("1 rad/s", kAngularSpeed)), 180.0 / std::numbers::pi);
+    EXPECT_DOUBLE_EQ(std::get<double>(parse_quantity("3.141592653589793 rad", kAngle)),
+                     180.0);
+    EXPECT_DOUBLE_EQ(std::get<double>(parse_quantity("1 rad/s", kAngularSpeed)),
+                     180.0 / std::numbers::pi);
 }
 
 TEST(ParseQuantity, NamesWhatIsWrong) {
@@ -74,7 +77,9 @@ TEST(ParseQuantity, NamesWhatIsWrong) {
         {"2 mm", kPressure, {"a length", "a pressure", "5 MPa"}},
         {"5 MPa", kLength, {"a pressure", "a length", "2 mm"}},
         {"5", kPressure, {"without a unit", "a pressure", "leave out the quotes"}},
-        {"5 MPaa", kPressure, {"unknown unit \"MPaa\"", "did you mean \"MPa\"", "a pressure"}},
+        {"5 MPaa",
+         kPressure,
+         {"unknown unit \"MPaa\"", "did you mean \"MPa\"", "a pressure"}},
         {"abc", kTime, {"\"abc\"", "a time", "10 ms"}},
         {"", kTime, {"\"\"", "a time", ""}},
         {"5 m^x", kLength, {"power of \"m\"", "a length", ""}},
@@ -93,15 +98,28 @@ TEST(ParseQuantity, NamesWhatIsWrong) {
         ASSERT_TRUE(std::holds_alternative<std::string>(parsed)) << bad.text;
         for (const char* part : bad.parts)
             EXPECT_NE(std::get<std::string>(parsed).find(part), std::string::npos)
-                << bad.text << " -> " << std::get<std::string>(parsed) << " lacks " << part;
+                << bad.text << " -> " << std::get<std::string>(parsed) << " lacks "
+                << part;
     }
 }
 
 TEST(Dimension, ExamplesReadBack) {
-    for (const Dimension& d : {kLength, kTime, kRate, kSpeed, kAcceleration, kForce, kPressure, kDensity, kAngle,
-                               kAngularSpeed, kBarrierStiffness}) {
-        EXPECT_TRUE(std::holds_alternative<double>(parse_quantity(dimension_example(d), d))) << dimension_example(d);
-        EXPECT_EQ(std::get<double>(parse_quantity("1 " + dimension_unit(d), d)), 1.0) << dimension_unit(d);
+    for (const Dimension& d : {kLength,
+                               kTime,
+                               kRate,
+                               kSpeed,
+                               kAcceleration,
+                               kForce,
+                               kPressure,
+                               kDensity,
+                               kAngle,
+                               kAngularSpeed,
+                               kBarrierStiffness}) {
+        EXPECT_TRUE(
+            std::holds_alternative<double>(parse_quantity(dimension_example(d), d)))
+            << dimension_example(d);
+        EXPECT_EQ(std::get<double>(parse_quantity("1 " + dimension_unit(d), d)), 1.0)
+            << dimension_unit(d);
     }
 }
 

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+# The CUDA engine, as one more source of the room sim. Programs link without a driver and without a
+# GPU: the runtime is linked statically and looks for the driver when it is first called.
+
+# nvcc is often installed but not on the search path.
+if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
+  find_program(NOLI_NVCC nvcc HINTS $ENV{CUDAToolkit_ROOT} $ENV{CUDA_PATH} /usr/local/cuda PATH_SUFFIXES bin)
+  mark_as_advanced(NOLI_NVCC)
+  if(NOT NOLI_NVCC)
+    message(FATAL_ERROR "NOLI_CUDA needs nvcc, which is neither on the search path nor in "
+      "/usr/local/cuda/bin: install the CUDA toolkit, or set CUDACXX to its nvcc")
+  endif()
+  set(CMAKE_CUDA_COMPILER ${NOLI_NVCC})
+endif()
+enable_language(CUDA)
+find_package(CUDAToolkit REQUIRED)
+
+target_sources(noli_sim PRIVATE ${PROJECT_SOURCE_DIR}/src/sim/engine_cuda.cu)
+target_compile_definitions(noli_sim PRIVATE NOLI_HAVE_CUDA)
+list(APPEND NOLI_ROOM_LIBS_sim CUDA::cudart_static)
+
+# CMake 3.25 does not know the CUDA20 dialect of nvcc 13, so the flag is spelled out. Host code gets
+# the same floating-point flags as the .cpp files: both may hold a copy of an inline function.
+# --threads: one per architecture.
+target_compile_options(noli_sim PRIVATE
+  $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--extended-lambda;--expt-relaxed-constexpr;-fmad=false;--threads=2>
+  $<$<COMPILE_LANGUAGE:CUDA>:-Xcompiler=-ffp-contract=off,-fno-math-errno,-fno-trapping-math,-Wall>
+  $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NOLI_WERROR}>>:-Werror=all-warnings>)

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The whole operator in an order that a triangular sweep can run through in parallel.
+/// CPU only.
+///
+/// Unknowns are cut into blocks of consecutive ones; blocks are coloured so that coupled
+/// blocks differ; rows are sorted by colour. A sweep visits the colours one after the
+/// other. Within a colour, up to eight blocks form a group, the unit of parallel work,
+/// and their rows are interleaved (first row of each block, then the second rows ...), so
+/// that neighbouring rows do not wait for each other's result:
+///
+///     colour 0                                     colour 1
+///     group 0            group 1                   group 2
+///     a0 b0 .. h0 a1 ..  i0 j0 .. p0 i1 j1 ..      ...
+///
+/// Nothing depends on the number of threads.
+///
+/// Source: block multicolour ordering, [Iwashita2012]; the interleaving is ours.
+
+#include "linear/assemble.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+namespace noli {
+
+/// Rows in colour order and the groups of rows that run in parallel.
+struct ColouredRows {
+    Numbering numbering;
+    std::vector<int> group_begin;   ///< num_groups + 1: first row of each group
+    std::vector<int> colour_begin;  ///< num_colours + 1: first group of each colour
+};
+
+/// Cuts the free vertices into blocks of `rows_per_block` and colours them greedily.
+ColouredRows colour_rows(const OperatorView& op,
+                         View<const int> touched_index,
+                         View<const std::uint8_t> fixed,
+                         int rows_per_block);
+
+/// Pattern of block matrix + low-rank terms in colour order, by rows of the lower
+/// triangle and by rows of the upper one. Kept as long as the pattern stands.
+class ColouredOperator {
+  public:
+    explicit ColouredOperator(int rows_per_block) : rows_per_block_(rows_per_block) {}
+
+    /// Brings the pattern up to date. Returns false when it was.
+    template <class Exec>
+    bool update_pattern(Exec& exec,
+                        const OperatorView& op,
+                        View<const std::uint8_t> fixed) {
+        static_assert(!Exec::kIsDevice, "sweeps run on the CPU");
+        if (!changed(op, fixed)) return false;
+        touched_ = detail::touched_of_vertex(op);
+        rows_ = colour_rows(op, detail::const_view(touched_), fixed, rows_per_block_);
+        merge_pattern(
+            loop_on(exec), op, detail::const_view(touched_), rows_.numbering, lower_);
+        transpose();
+        return true;
+    }
+
+    /// Sets lower().value to the blocks of the operator.
+    template <class Exec>
+    void update_values(Exec& exec, const OperatorView& op) {
+        merge_values(
+            loop_on(exec), op, detail::const_view(touched_), rows_.numbering, lower_);
+    }
+
+    /// f(group) for all groups of a colour, in parallel; true when all of them return
+    /// true.
+    template <class Exec, class F>
+    bool for_groups(Exec& exec, int colour, const F& f) const {
+        const auto c = static_cast<std::size_t>(colour);
+        const int first = rows_.colour_begin[c];
+        std::atomic<bool> ok = true;
+        constexpr int kGroupsPerTask = 1;
+        exec.for_each(
+            "linear/coloured_groups",
+            rows_.colour_begin[c + 1] - first,
+            [&](int g) {
+                if (!f(first + g)) ok.store(false, std::memory_order_relaxed);
+            },
+            kGroupsPerTask);
+        return ok;
+    }
+
+    /// f(row) for all rows, in parallel.
+    template <class Exec, class F>
+    void for_rows(Exec& exec, const F& f) const {
+        loop_on(exec)(num_rows(), f);
+    }
+
+    [[nodiscard]] int num_rows() const {
+        return static_cast<int>(rows_.numbering.vertex.size());
+    }
+    [[nodiscard]] int num_groups() const {
+        return static_cast<int>(rows_.group_begin.size()) - 1;
+    }
+    [[nodiscard]] int num_colours() const {
+        return static_cast<int>(rows_.colour_begin.size()) - 1;
+    }
+    /// Off-diagonal blocks of one triangle.
+    [[nodiscard]] std::size_t num_off_diagonal() const { return upper_col.size(); }
+    [[nodiscard]] const ColouredRows& rows() const { return rows_; }
+    [[nodiscard]] const Numbering& numbering() const { return rows_.numbering; }
+
+    /// Lower triangle. Off-diagonal entry p of row i has number p - i: each row before it
+    /// has one diagonal block.
+    [[nodiscard]] const MergedBlocks& lower() const { return lower_; }
+    [[nodiscard]] View<const int> touched() const { return detail::const_view(touched_); }
+
+    std::vector<int>
+        upper_begin;  ///< num_rows + 1: rows of the upper triangle, no diagonal
+    std::vector<int> upper_col;    ///< ascending in each row
+    std::vector<int> upper_place;  ///< number of a lower entry -> place of its transpose
+
+  private:
+    template <class Exec>
+    static auto loop_on(Exec& exec) {
+        return [&exec](int n, const auto& f) {
+            exec.for_each("linear/coloured_rows", n, [&f](int i) { f(i); });
+        };
+    }
+
+    bool changed(const OperatorView& op, View<const std::uint8_t> fixed);
+    void transpose();
+
+    int rows_per_block_;
+    ColouredRows rows_;
+    MergedBlocks lower_;
+    std::vector<int> touched_;  ///< per vertex: its index among the touched ones, or -1
+
+    // The pattern that all of this was built for.
+    std::vector<int> seen_row_begin_, seen_col_;
+    std::vector<Int4> seen_terms_;
+    std::vector<std::uint8_t> seen_fixed_;
+};
+
+}  // namespace noli

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "linear/coloured_operator.hpp"
+
+#include "random_system.hpp"
+
+namespace noli {
+namespace {
+
+using namespace test;
+
+struct Coloured {
+    RandomSystem system;
+    std::vector<std::uint8_t> fixed;
+    SerialExec exec;
+    LoadedSystem<SerialExec> loaded;
+    OperatorCopy copy;
+    ColouredOperator op;
+
+    Coloured(int num_vertices, int num_terms, int rows_per_block)
+        : system(random_system(num_vertices, 3 * num_vertices, num_terms, num_vertices)),
+          fixed(static_cast<std::size_t>(num_vertices), 0),
+          loaded(load(exec, system)),
+          op(rows_per_block) {
+        for (std::size_t i = 3; i < fixed.size(); i += 11)
+            fixed[i] = 1;
+        op.update_pattern(exec, view(), view_of(fixed));
+    }
+    OperatorView view() { return view_operator(exec, loaded.matrix, loaded.terms, copy); }
+};
+
+/// Index of the interval that i lies in.
+int interval_of(const std::vector<int>& begin, int i) {
+    return static_cast<int>(std::upper_bound(begin.begin(), begin.end(), i)
+                            - begin.begin())
+         - 1;
+}
+
+TEST(ColouredOperator, NumbersEveryFreeVertexOnce) {
+    Coloured c(205, 40, 16);
+    const Numbering& numbering = c.op.numbering();
+    std::size_t num_free = 0;
+    for (std::size_t v = 0; v < c.fixed.size(); ++v) {
+        const int rank = numbering.rank[v];
+        if (c.fixed[v] != 0) {
+            EXPECT_EQ(rank, -1);
+            continue;
+        }
+        ++num_free;
+        ASSERT_GE(rank, 0);
+        EXPECT_EQ(numbering.vertex[static_cast<std::size_t>(rank)], static_cast<int>(v));
+    }
+    EXPECT_EQ(numbering.vertex.size(), num_free);
+    EXPECT_EQ(c.op.rows().group_begin.back(), static_cast<int>(num_free));
+}
+
+TEST(ColouredOperator, CoupledRowsOfDifferentGroupsHaveDifferentColours) {
+    for (const int rows_per_block : {1, 16, 64}) {
+        Coloured c(4999, 30, rows_per_block);
+        const MergedBlocks& lower = c.op.lower();
+        int couplings_between_groups = 0;
+        for (int i = 0; i < c.op.num_rows(); ++i)
+            for (int p = lower.row_begin[static_cast<std::size_t>(i)];
+                 p < lower.row_begin[static_cast<std::size_t>(i) + 1];
+                 ++p) {
+                const int j = lower.col[static_cast<std::size_t>(p)];
+                const int group_i = interval_of(c.op.rows().group_begin, i);
+                const int group_j = interval_of(c.op.rows().group_begin, j);
+                if (group_i == group_j) continue;
+                ++couplings_between_groups;
+                EXPECT_NE(interval_of(c.op.rows().colour_begin, group_i),
+                          interval_of(c.op.rows().colour_begin, group_j));
+            }
+        EXPECT_GT(couplings_between_groups, 0);
+        EXPECT_GT(c.op.num_groups(), c.op.num_colours());
+    }
+}
+
+TEST(ColouredOperator, UpperRowsAreTheTransposeOfLowerRows) {
+    Coloured c(205, 40, 16);
+    const MergedBlocks& lower = c.op.lower();
+    ASSERT_EQ(c.op.upper_col.size() + static_cast<std::size_t>(c.op.num_rows()),
+              lower.col.size());
+    for (int i = 0; i < c.op.num_rows(); ++i)
+        for (int p = lower.row_begin[static_cast<std::size_t>(i)];
+             p < lower.row_begin[static_cast<std::size_t>(i) + 1] - 1;
+             ++p) {
+            const int place = c.op.upper_place[static_cast<std::size_t>(p - i)];
+            EXPECT_EQ(c.op.upper_col[static_cast<std::size_t>(place)], i);
+            EXPECT_EQ(interval_of(c.op.upper_begin, place),
+                      lower.col[static_cast<std::size_t>(p)]);
+        }
+}
+
+TEST(ColouredOperator, KeepsThePatternUntilItChanges) {
+    Coloured c(205, 40, 16);
+    EXPECT_FALSE(c.op.update_pattern(c.exec, c.view(), view_of(c.fixed)));
+    c.fixed[50] ^= 1;
+    EXPECT_TRUE(c.op.update_pattern(c.exec, c.view(), view_of(c.fixed)));
+    c.loaded.terms.vertices.view()[2] = {{0, 204, -1, -1}};
+    c.loaded.terms.build_incidence(c.exec, 205);
+    EXPECT_TRUE(c.op.update_pattern(c.exec, c.view(), view_of(c.fixed)));
+    EXPECT_FALSE(c.op.update_pattern(c.exec, c.view(), view_of(c.fixed)));
+}
+
+}  // namespace
+}  // namespace noli

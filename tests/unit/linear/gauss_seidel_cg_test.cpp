@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "linear/gauss_seidel_cg.hpp"
+
+#include "random_system.hpp"
+
+namespace noli {
+namespace {
+
+using namespace test;
+
+/// The whole operator as a dense matrix in the solver's row order.
+Eigen::MatrixXd in_row_order(const RandomSystem& s, const Numbering& numbering) {
+    const Eigen::MatrixXd dense = dense_elements(s) + dense_terms(s);
+    const auto n = static_cast<int>(numbering.vertex.size());
+    Eigen::MatrixXd out(3 * n, 3 * n);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            out.block<3, 3>(3 * i, 3 * j) =
+                dense.block<3, 3>(3 * numbering.vertex[static_cast<std::size_t>(i)],
+                                  3 * numbering.vertex[static_cast<std::size_t>(j)]);
+    return out;
+}
+
+/// (D + L) D^-1 (D + L^T) of a matrix of 3x3 blocks.
+Eigen::MatrixXd gauss_seidel_matrix(const Eigen::MatrixXd& a) {
+    Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(a.rows(), a.cols());
+    Eigen::MatrixXd inverse = lower;
+    for (Eigen::Index i = 0; i < a.rows(); i += 3) {
+        lower.block(i, 0, 3, i + 3) = a.block(i, 0, 3, i + 3);
+        inverse.block<3, 3>(i, i) = a.block<3, 3>(i, i).inverse();
+    }
+    return lower * inverse * lower.transpose();
+}
+
+TEST(GaussSeidelCg, MatchesTextbookPcgIterateByIterate) {
+    const RandomSystem s = random_system(301, 900, 120, 5);
+    CpuExec exec;
+    auto loaded = load(exec, s);
+    const auto b = random_vector(301, 3);
+    std::vector<std::uint8_t> fixed(b.size(), 0);
+    fixed[2] = fixed[299] = 1;
+
+    OperatorCopy copy;
+    ColouredOperator op(GaussSeidelCg::kRowsPerBlock);
+    op.update_pattern(
+        exec, view_operator(exec, loaded.matrix, loaded.terms, copy), view_of(fixed));
+    const Numbering& numbering = op.numbering();
+    ASSERT_EQ(op.num_rows(), 299);
+    const Eigen::MatrixXd a = in_row_order(s, numbering);
+    const Eigen::LLT<Eigen::MatrixXd> preconditioner(gauss_seidel_matrix(a));
+    Eigen::VectorXd r(a.rows());
+    for (Eigen::Index i = 0; i < r.size(); ++i)
+        r[i] =
+            b[static_cast<std::size_t>(numbering.vertex[static_cast<std::size_t>(i / 3)])]
+             [static_cast<int>(i % 3)];
+
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(r.size());
+    Eigen::VectorXd z = preconditioner.solve(r);
+    Eigen::VectorXd p = z;
+    double delta = r.dot(z);
+    const double delta_start = delta;
+    GaussSeidelCg solver;
+    for (int iteration = 1; iteration <= 12; ++iteration) {
+        const Eigen::VectorXd q = a * p;
+        const double alpha = delta / p.dot(q);
+        x += alpha * p;
+        r -= alpha * q;
+        z = preconditioner.solve(r);
+        p = z + (r.dot(z) / delta) * p;
+        delta = r.dot(z);
+
+        PcgOptions options;
+        options.tolerance = 1e-30;
+        options.max_iterations = iteration;
+        std::vector<Vec3d> got(b.size());
+        const PcgResult result = solver.solve(exec,
+                                              loaded.matrix,
+                                              loaded.terms,
+                                              view_of(b),
+                                              view_of(fixed),
+                                              options,
+                                              view_of(got));
+        EXPECT_EQ(result.iterations, iteration);
+        EXPECT_NEAR(
+            result.residual_ratio, delta / delta_start, 1e-8 * delta / delta_start);
+        for (Eigen::Index i = 0; i < x.size(); ++i)
+            EXPECT_NEAR(got[static_cast<std::size_t>(
+                            numbering.vertex[static_cast<std::size_t>(i / 3)])]
+                           [static_cast<int>(i % 3)],
+                        x[i],
+                        1e-9 * x.norm());
+    }
+}
+
+TEST(GaussSeidelCg, ForwardSweepHasTheBitsOfAScalarLoop) {
+    const RandomSystem s = random_system(203, 700, 60, 9);
+    SerialExec exec;
+    auto loaded = load(exec, s);
+    const std::vector<std::uint8_t> fixed(203, 0);
+    OperatorCopy copy;
+    const OperatorView view = view_operator(exec, loaded.matrix, loaded.terms, copy);
+    ColouredOperator op(GaussSeidelCg::kRowsPerBlock);
+    op.update_pattern(exec, view, view_of(fixed));
+    op.update_values(exec, view);
+
+    const std::size_t num_off = op.num_off_diagonal();
+    std::vector<double> lower(9 * num_off + 1, 0.0);
+    const MergedBlocks& merged = op.lower();
+    for (int i = 0; i < op.num_rows(); ++i)
+        for (int p = merged.row_begin[static_cast<std::size_t>(i)];
+             p < merged.row_begin[static_cast<std::size_t>(i) + 1] - 1;
+             ++p)
+            for (int k = 0; k < 9; ++k)
+                lower[static_cast<std::size_t>(9 * (p - i) + k)] =
+                    0.01 * merged.value[static_cast<std::size_t>(p)](k % 3, k / 3);
+    const auto padded = [&](int seed) {
+        std::vector<double> out;
+        for (const Vec3d& v : random_vector(203, seed))
+            out.insert(out.end(), {v.x, v.y, v.z, 0.0});
+        return out;
+    };
+    std::vector<double> x = padded(1), r = padded(2), p = padded(3), t = padded(4),
+                        w = padded(5);
+    const std::vector<int> no_rows(204, 0);
+    const detail::SweepArrays arrays{detail::const_view(merged.row_begin),
+                                     detail::const_view(merged.col),
+                                     detail::const_view(no_rows),
+                                     detail::const_view(no_rows),
+                                     lower.data(),
+                                     lower.data(),
+                                     x.data(),
+                                     r.data(),
+                                     p.data(),
+                                     t.data(),
+                                     w.data()};
+    detail::SweepSums sums;
+    detail::sweep_forward(arrays, 0, 203, sums);
+    std::vector<double> expected(w.size(), 0.0);
+    for (int i = 0; i < 203; ++i) {
+        double acc[3][3] = {};
+        for (int k = merged.row_begin[static_cast<std::size_t>(i)];
+             k < merged.row_begin[static_cast<std::size_t>(i) + 1] - 1;
+             ++k)
+            for (int c = 0; c < 3; ++c)
+                for (int row = 0; row < 3; ++row)
+                    acc[row][c] +=
+                        lower[static_cast<std::size_t>(9 * (k - i) + 3 * c + row)]
+                        * expected[static_cast<std::size_t>(
+                            4 * merged.col[static_cast<std::size_t>(k)] + c)];
+        for (std::size_t row = 0; row < 3; ++row) {
+            const std::size_t at = 4 * static_cast<std::size_t>(i) + row;
+            expected[at] = p[at] - t[at] - (acc[row][0] + acc[row][1] + acc[row][2]);
+        }
+    }
+    EXPECT_TRUE(same_bits(w, expected));
+}
+
+TEST(InvertFactor, InvertsTheCholeskyFactor) {
+    const Mat3d m = {4, 2, -1, 2, 5, 0.5, -1, 0.5, 3};
+    InverseFactor f;
+    ASSERT_TRUE(invert_factor(m, f));
+    Eigen::Matrix3d c;
+    for (int r = 0; r < 3; ++r)
+        c.row(r) << f.c0[r], f.c1[r], f.c2[r];
+    const Eigen::Matrix3d dense = Eigen::Map<const Eigen::Matrix3d>(m.a);
+    EXPECT_LT((c * dense * c.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_EQ(f.c1[0], 0.0);
+    EXPECT_EQ(f.c0[3], 0.0);
+}
+
+TEST(InvertFactor, SaysWhenABlockIsNotPositive) {
+    InverseFactor f;
+    EXPECT_FALSE(invert_factor({1, 2, 0, 2, 1, 0, 0, 0, 1}, f));
+    EXPECT_FALSE(invert_factor({1, 0, 0, 0, -1, 0, 0, 0, 1}, f));
+    EXPECT_FALSE(invert_factor({-1, 0, 0, 0, -1, 0, 0, 0, -1}, f));
+    EXPECT_FALSE(invert_factor({1, 0, 0, 0, std::nan(""), 0, 0, 0, 1}, f));
+    EXPECT_TRUE(invert_factor(outer(Vec3d{1, 2, 3}, Vec3d{1, 2, 3}), f));  // singular
+    EXPECT_TRUE(std::isfinite(f.c2[2]));
+    EXPECT_TRUE(invert_factor(zero3(), f));
+    EXPECT_EQ(f.c0[0], 0.0);
+}
+
+}  // namespace
+}  // namespace noli
