@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A box falls on the ground: the whole library in one small program.
-#include <noli/simulator.hpp>
-
 #include <cstdio>
+#include <noli/simulator.hpp>
 
 int main() {
     noli::Scene scene;
@@ -18,13 +17,17 @@ int main() {
 
     noli::Result<noli::Simulator> made = noli::Simulator::create(scene);
     if (!made) {
-        std::fprintf(stderr, "%s: %s\n", made.error().where.c_str(), made.error().message.c_str());
+        std::fprintf(
+            stderr, "%s: %s\n", made.error().where.c_str(), made.error().message.c_str());
         return 2;
     }
     noli::Simulator& simulator = made.value();
     for (int k = 0; k < 50; ++k) {
         const noli::StepReport report = simulator.step();
-        std::printf("t = %.2f s: %d contacts, gap %g m\n", report.time, report.contacts, report.min_gap);
+        std::printf("t = %.2f s: %d contacts, gap %g m\n",
+                    report.time,
+                    report.contacts,
+                    report.min_gap);
         if (report.outcome != noli::Outcome::Converged) return 3;
     }
     return simulator.verify().num_intersections == 0 ? 0 : 1;

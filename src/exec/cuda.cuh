@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The CUDA executor: the same interface as exec/cpu.hpp on one GPU. The only file that launches
-/// kernels. Reductions use a fixed partition, so results repeat bitwise on one kind of device.
+/// The CUDA executor: the same interface as exec/cpu.hpp on one GPU. The only file that
+/// launches kernels. Reductions use a fixed partition, so results repeat bitwise on one
+/// kind of device.
 
 #include "core/view.hpp"
 #include "exec/lanes.hpp"
@@ -50,14 +51,17 @@ class CudaBuffer {
             check_cuda(cudaFree(data_), "free device memory");
             data_ = nullptr;
             const int capacity = n + n / 4 + 64;
-            check_cuda(cudaMalloc(reinterpret_cast<void**>(&data_), sizeof(T) * static_cast<std::size_t>(capacity)),
+            check_cuda(cudaMalloc(reinterpret_cast<void**>(&data_),
+                                  sizeof(T) * static_cast<std::size_t>(capacity)),
                        "allocate device memory");
             capacity_ = capacity;
         }
         size_ = n;
     }
     [[nodiscard]] int size() const { return size_; }
-    [[nodiscard]] std::size_t bytes() const { return sizeof(T) * static_cast<std::size_t>(capacity_); }
+    [[nodiscard]] std::size_t bytes() const {
+        return sizeof(T) * static_cast<std::size_t>(capacity_);
+    }
     View<T> view() { return {data_, size_}; }
     [[nodiscard]] View<const T> view() const { return {data_, size_}; }
 
@@ -70,7 +74,8 @@ class CudaBuffer {
 namespace detail {
 
 inline constexpr int kReduceThreads = 256;
-inline constexpr int kReduceChunk = 1024;  ///< items per block: fixed, so sums do not depend on the device
+inline constexpr int kReduceChunk =
+    1024;  ///< items per block: fixed, so sums do not depend on the device
 
 template <class F>
 __global__ void run_kernel(int n, F f) {
@@ -88,12 +93,15 @@ struct Add {
     __device__ double operator()(double a, double b) const { return a + b; }
 };
 struct Smaller {
-    __device__ double operator()(double a, double b) const { return (b < a || b != b) ? b : a; }
+    __device__ double operator()(double a, double b) const {
+        return (b < a || b != b) ? b : a;
+    }
 };
 
 /// partial[block] = combination of the block's items, in a fixed tree order.
 template <class Combine, class F>
-__global__ void reduce_kernel(int n, double start, Combine combine, F f, double* partial) {
+__global__ void reduce_kernel(
+    int n, double start, Combine combine, F f, double* partial) {
     __shared__ double shared[kReduceThreads];
     const int begin = static_cast<int>(blockIdx.x) * kReduceChunk;
     const int end = min(n, begin + kReduceChunk);
@@ -104,7 +112,8 @@ __global__ void reduce_kernel(int n, double start, Combine combine, F f, double*
     __syncthreads();
     for (int half = kReduceThreads / 2; half > 0; half /= 2) {
         if (static_cast<int>(threadIdx.x) < half)
-            shared[threadIdx.x] = combine(shared[threadIdx.x], shared[threadIdx.x + half]);
+            shared[threadIdx.x] =
+                combine(shared[threadIdx.x], shared[threadIdx.x + half]);
         __syncthreads();
     }
     if (threadIdx.x == 0) partial[blockIdx.x] = shared[0];
@@ -147,7 +156,8 @@ class CudaExec {
 
     template <class F>
     double min(const char* name, int n, F f) {
-        return reduce(name, n, std::numeric_limits<double>::infinity(), detail::Smaller{}, f);
+        return reduce(
+            name, n, std::numeric_limits<double>::infinity(), detail::Smaller{}, f);
     }
 
     int scan(const char* name, View<const int> counts, View<int> offsets) {
@@ -155,10 +165,14 @@ class CudaExec {
         int total = 0;
         if (n > 0) {
             std::size_t bytes = 0;
-            check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, counts.data, offsets.data + 1, n, stream_), name);
-            temp_.resize(static_cast<int>(bytes));
-            check_cuda(cub::DeviceScan::InclusiveSum(temp_.view().data, bytes, counts.data, offsets.data + 1, n, stream_),
+            check_cuda(cub::DeviceScan::InclusiveSum(
+                           nullptr, bytes, counts.data, offsets.data + 1, n, stream_),
                        name);
+            temp_.resize(static_cast<int>(bytes));
+            check_cuda(
+                cub::DeviceScan::InclusiveSum(
+                    temp_.view().data, bytes, counts.data, offsets.data + 1, n, stream_),
+                name);
             total = read(View<const int>{offsets.data, n + 1}, n);
         }
         check_cuda(cudaMemsetAsync(offsets.data, 0, sizeof(int), stream_), name);
@@ -175,9 +189,16 @@ class CudaExec {
         sorted_values.resize(n);
         std::size_t bytes = 0;
         const auto sort = [&](void* temp) {
-            check_cuda(cub::DeviceRadixSort::SortPairs(temp, bytes, keys.data, sorted_keys.view().data, values.data,
-                                                       sorted_values.view().data, n, 0,
-                                                       static_cast<int>(8 * sizeof(Key)), stream_),
+            check_cuda(cub::DeviceRadixSort::SortPairs(temp,
+                                                       bytes,
+                                                       keys.data,
+                                                       sorted_keys.view().data,
+                                                       values.data,
+                                                       sorted_values.view().data,
+                                                       n,
+                                                       0,
+                                                       static_cast<int>(8 * sizeof(Key)),
+                                                       stream_),
                        name);
         };
         sort(nullptr);
@@ -192,7 +213,11 @@ class CudaExec {
     void upload(const std::vector<T>& from, CudaBuffer<T>& to) {
         to.resize(static_cast<int>(from.size()));
         if (from.empty()) return;
-        check_cuda(cudaMemcpyAsync(to.view().data, from.data(), sizeof(T) * from.size(), cudaMemcpyHostToDevice, stream_),
+        check_cuda(cudaMemcpyAsync(to.view().data,
+                                   from.data(),
+                                   sizeof(T) * from.size(),
+                                   cudaMemcpyHostToDevice,
+                                   stream_),
                    "upload");
         synchronize("upload");
     }
@@ -200,21 +225,30 @@ class CudaExec {
     void download(View<const T> from, std::vector<T>& to) {
         to.resize(static_cast<std::size_t>(from.size));
         if (to.empty()) return;
-        check_cuda(cudaMemcpyAsync(to.data(), from.data, sizeof(T) * to.size(), cudaMemcpyDeviceToHost, stream_),
+        check_cuda(cudaMemcpyAsync(to.data(),
+                                   from.data,
+                                   sizeof(T) * to.size(),
+                                   cudaMemcpyDeviceToHost,
+                                   stream_),
                    "download");
         synchronize("download");
     }
     template <class T>
     void copy(View<const T> from, View<T> to) {
         if (from.size == 0) return;
-        check_cuda(cudaMemcpyAsync(to.data, from.data, sizeof(T) * static_cast<std::size_t>(from.size),
-                                   cudaMemcpyDeviceToDevice, stream_),
+        check_cuda(cudaMemcpyAsync(to.data,
+                                   from.data,
+                                   sizeof(T) * static_cast<std::size_t>(from.size),
+                                   cudaMemcpyDeviceToDevice,
+                                   stream_),
                    "copy");
     }
     template <class T>
     T read(View<const T> from, int i) {
         T host;
-        check_cuda(cudaMemcpyAsync(&host, from.data + i, sizeof(T), cudaMemcpyDeviceToHost, stream_), "read");
+        check_cuda(cudaMemcpyAsync(
+                       &host, from.data + i, sizeof(T), cudaMemcpyDeviceToHost, stream_),
+                   "read");
         synchronize("read");
         return host;
     }
@@ -225,21 +259,28 @@ class CudaExec {
         if (n == 0) return start;
         int blocks = (n + detail::kReduceChunk - 1) / detail::kReduceChunk;
         partial_.resize(blocks);
-        detail::reduce_kernel<<<blocks, detail::kReduceThreads, 0, stream_>>>(n, start, combine, f, partial_.view().data);
+        detail::reduce_kernel<<<blocks, detail::kReduceThreads, 0, stream_>>>(
+            n, start, combine, f, partial_.view().data);
         check_cuda(cudaGetLastError(), name);
         while (blocks > 1) {
             const int count = blocks;
             blocks = (count + detail::kReduceChunk - 1) / detail::kReduceChunk;
             other_partial_.resize(blocks);
             detail::reduce_kernel<<<blocks, detail::kReduceThreads, 0, stream_>>>(
-                count, start, combine, detail::ReadItem{partial_.view().data}, other_partial_.view().data);
+                count,
+                start,
+                combine,
+                detail::ReadItem{partial_.view().data},
+                other_partial_.view().data);
             check_cuda(cudaGetLastError(), name);
             std::swap(partial_, other_partial_);
         }
         return read(View<const double>{partial_.view().data, 1}, 0);
     }
 
-    void synchronize(const char* name) { check_cuda(cudaStreamSynchronize(stream_), name); }
+    void synchronize(const char* name) {
+        check_cuda(cudaStreamSynchronize(stream_), name);
+    }
 
     cudaStream_t stream_ = nullptr;
     CudaBuffer<double> partial_, other_partial_;

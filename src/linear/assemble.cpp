@@ -14,27 +14,34 @@ Numbering number_free_vertices(std::span<const std::uint8_t> fixed) {
     return numbering;
 }
 
+namespace {
+
+/// Appends row k of a block row, which is a column of the upper triangle.
+void append_column(const MergedBlocks& blocks, int r, int k, SparseMatrix& out) {
+    for (int b = blocks.row_begin[static_cast<std::size_t>(r)];
+         b < blocks.row_begin[static_cast<std::size_t>(r) + 1];
+         ++b) {
+        const int c = blocks.col[static_cast<std::size_t>(b)];
+        const int length = c == r ? k + 1 : 3;
+        for (int l = 0; l < length; ++l) {
+            out.row.push_back(3 * c + l);
+            out.value.push_back(blocks.value[static_cast<std::size_t>(b)](k, l));
+        }
+    }
+    out.col_begin.push_back(static_cast<int>(out.row.size()));
+}
+
+}  // namespace
+
 SparseMatrix to_sparse(const MergedBlocks& blocks) {
     SparseMatrix out;
     out.num_rows = 3 * blocks.num_rows();
     out.col_begin.push_back(0);
     out.row.reserve(9 * blocks.col.size());
     out.value.reserve(9 * blocks.col.size());
-    for (int r = 0; r < blocks.num_rows(); ++r) {
-        const int begin = blocks.row_begin[static_cast<std::size_t>(r)];
-        const int end = blocks.row_begin[static_cast<std::size_t>(r) + 1];
-        for (int k = 0; k < 3; ++k) {
-            for (int b = begin; b < end; ++b) {
-                const int c = blocks.col[static_cast<std::size_t>(b)];
-                const Mat3d& value = blocks.value[static_cast<std::size_t>(b)];
-                for (int l = 0; l < (c == r ? k + 1 : 3); ++l) {
-                    out.row.push_back(3 * c + l);
-                    out.value.push_back(value(k, l));
-                }
-            }
-            out.col_begin.push_back(static_cast<int>(out.row.size()));
-        }
-    }
+    for (int r = 0; r < blocks.num_rows(); ++r)
+        for (int k = 0; k < 3; ++k)
+            append_column(blocks, r, k, out);
     return out;
 }
 

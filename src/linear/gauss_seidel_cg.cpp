@@ -107,14 +107,14 @@ inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
                                                        double* rows) {
     Double4 half[3];  // rows of m C_j⁻ᵀ
     for (int r = 0; r < 3; ++r)
-        half[r] = apply_factor(fj, {m.a[3 * r], m.a[3 * r + 1], m.a[3 * r + 2]});
+        half[r] = apply_factor(fj, m.row(r));
     const Double4 out[3] = {fi.c0[0] * half[0],
                             fi.c0[1] * half[0] + fi.c1[1] * half[1],
                             fi.c0[2] * half[0] + fi.c1[2] * half[1] + fi.c2[2] * half[2]};
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) {
-            rows[3 * r + c] = out[r][c];
-            columns[3 * c + r] = out[r][c];
+            rows[at(3 * r + c)] = out[r][c];
+            columns[at(3 * c + r)] = out[r][c];
         }
 }
 

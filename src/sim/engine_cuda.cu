@@ -10,7 +10,8 @@ namespace {
 
 class CudaEngine final : public Engine {
   public:
-    CudaEngine(const EngineInput& input, std::string name) : name_(std::move(name)), engine_(input) {}
+    CudaEngine(const EngineInput& input, std::string name)
+        : name_(std::move(name)), engine_(input) {}
 
     StepReport step() override {
         try {
@@ -35,7 +36,9 @@ class CudaEngine final : public Engine {
 };
 
 Error no_device(const std::string& why) {
-    return {Error::Code::NoDevice, "--device cuda", why + "; use --device cpu, or run where a GPU is"};
+    return {Error::Code::NoDevice,
+            "--device cuda",
+            why + "; use --device cpu, or run where a GPU is"};
 }
 
 }  // namespace
@@ -44,16 +47,19 @@ Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& input) {
     int count = 0;
     const cudaError_t found = cudaGetDeviceCount(&count);
     if (found == cudaErrorInsufficientDriver)
-        return no_device("no NVIDIA driver, or one too old for this program's CUDA runtime");
+        return no_device(
+            "no NVIDIA driver, or one too old for this program's CUDA runtime");
     if (found != cudaSuccess || count == 0) return no_device("no NVIDIA GPU was found");
     cudaDeviceProp properties{};
-    if (cudaGetDeviceProperties(&properties, 0) != cudaSuccess) return no_device("the GPU does not answer");
+    if (cudaGetDeviceProperties(&properties, 0) != cudaSuccess)
+        return no_device("the GPU does not answer");
     if (properties.major < 8)
         return no_device(std::string(properties.name) + " has compute capability "
-                         + std::to_string(properties.major) + "." + std::to_string(properties.minor)
-                         + ", at least 8.0 is needed");
+                         + std::to_string(properties.major) + "."
+                         + std::to_string(properties.minor) + ", at least 8.0 is needed");
     try {
-        return std::unique_ptr<Engine>(std::make_unique<CudaEngine>(input, properties.name));
+        return std::unique_ptr<Engine>(
+            std::make_unique<CudaEngine>(input, properties.name));
     } catch (const std::exception& trouble) {
         return no_device(std::string(properties.name) + ": " + trouble.what());
     }

@@ -89,15 +89,9 @@ Status Simulator::Impl::choose_engine() {
         engine = std::move(made.value());
         return Done{};
     }
-    if (options.device == Device::Auto) {
-        auto made = make_cuda_engine(input);
-        if (made) {
-            engine = std::move(made.value());
-            resolved.device_note = "a usable GPU was found";
-            return Done{};
-        }
-        resolved.device_note = made.error().message;
-    }
+    // The CUDA engine has not run on a GPU yet, so "auto" does not choose it by itself.
+    if (options.device == Device::Auto)
+        resolved.device_note = "the CUDA engine is new; --device cuda selects it where a GPU is";
     engine = make_cpu_engine(input);
     return Done{};
 }

@@ -99,7 +99,9 @@ class DirectionSolver {
                               const SolverSettings& settings,
                               double tolerance,
                               View<Vec3d> p) {
-        const PcgOptions options{.tolerance = tolerance, .max_iterations = settings.max_pcg};
+        const PcgOptions options{.tolerance = tolerance,
+                                 .max_iterations = settings.max_pcg,
+                                 .preconditioner = PreconditionerKind::GaussSeidel};
         const PcgResult solved = pcg_.solve(exec, objective.matrix(), objective.terms(),
                                             View<const Vec3d>(rhs_.view()), fixed, options, p);
         DirectionResult out{.iterations = solved.iterations};

@@ -14,6 +14,7 @@ inline constexpr int kMaxHalvings = 60;
 struct LineSearch {
     double energy_before = 0.0;
     double slope = 0.0;        ///< g . p
+    double rounding = 0.0;     ///< rounding error of an energy that does not shrink with the energy
     bool may_rise = false;     ///< prescribed vertices move in this iteration: they do work
     int halvings = 0;
     bool noise_accepted = false;
@@ -23,7 +24,7 @@ struct LineSearch {
     bool accepts(double energy, double alpha) {
         if (!(energy < HUGE_VAL)) return false;
         if (energy <= energy_before || may_rise) return true;
-        const double noise = kRounding * (std::fabs(energy) + std::fabs(energy_before));
+        const double noise = rounding + kRounding * (std::fabs(energy) + std::fabs(energy_before));
         const bool within = energy - energy_before <= noise && std::fabs(alpha * slope) <= 10.0 * noise;
         noise_accepted = noise_accepted || within;
         return within;

@@ -42,6 +42,8 @@ class Newton {
                 .hessian = hessian_of(settings.contact.hessian),
                 .mollified = hessian_of(settings.contact.mollifier)};
         range_ = stiffness_range(settings);
+        for (std::size_t t = 0; t < model.tets.size(); ++t)
+            stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
 
     /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged friction.
@@ -100,6 +102,10 @@ class Newton {
     double gap_at(View<const Vec3d> x) { return collision_.gap_at(exec_, pairs_, x); }
 
   private:
+    /// Elastic energy densities are differences of terms of size mu and lambda, near rest too: their
+    /// rounding error is about this share of them.
+    static constexpr double kElasticRounding = 2.3e-16;
+
     struct Progress {
         bool ended = false;
         Outcome outcome = Outcome::Converged;
@@ -197,7 +203,10 @@ class Newton {
     bool search(View<Vec3d> x, bool converged, IterationRecord& record, StepReport& report) {
         const PhaseTimer timer(report.t_search);
         const double slope = detail::dot_sum(exec_, objective_.gradient(), View<const Vec3d>(p_.view()));
-        LineSearch search{.energy_before = energy_, .slope = slope, .may_rise = record.boundary_moved};
+        LineSearch search{.energy_before = energy_,
+                          .slope = slope,
+                          .rounding = kElasticRounding * objective_.scales().h_sq * stiffness_sum_,
+                          .may_rise = record.boundary_moved};
         double alpha = record.step_bound;
         for (; search.halvings < kMaxHalvings; ++search.halvings, alpha *= 0.5) {
             detail::trial_point(exec_, View<const Vec3d>(x), View<const Vec3d>(p_.view()), alpha, x_trial_.view());
@@ -264,6 +273,7 @@ class Newton {
     StallDetector stall_;
     BoundaryPace pace_;
     View<const std::uint8_t> fixed_{};
+    double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
     bool yielded_ = false;
     Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;

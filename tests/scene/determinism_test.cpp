@@ -106,7 +106,7 @@ TEST_P(StateHash, IsTheSameForEveryThreadCountAndAcrossAResume) {
 INSTANTIATE_TEST_SUITE_P(Scenes,
                          StateHash,
                          ::testing::Values(pile(), twisted_bar(), squeeze()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 TEST(StateHash, DiffersWhenTheSceneDiffers) {
     Scene scene = squeeze();

@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Reference{"cube_stack", "input/paperExamples/10_cubeStack.txt", 200, 651},
                       Reference{"rods_twist", "timed/rodsTwist_120.txt", 120, 295},
                       Reference{"spike_spike", "input/paperExamples/11_erleben/spikeSpikeCO.txt", 60, 174}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace noli::test

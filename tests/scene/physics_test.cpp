@@ -15,6 +15,7 @@ TEST(FreeFall, ImplicitEulerFollowsItsClosedForm) {
     scene.name = "fall";
     scene.dt = 0.01;
     scene.solver.tolerance = 1e-8;
+    scene.solver.pcg_tolerance = 1e-20;
     scene.bodies = {generated("ball", "sphere", {{"edge_length", {0.25}}})};
     Simulator simulator = start(scene, checked_options());
     const Vector3 before = mean(simulator.positions());
@@ -25,46 +26,68 @@ TEST(FreeFall, ImplicitEulerFollowsItsClosedForm) {
     EXPECT_NEAR(before[1] - mean(simulator.positions())[1], drop, 1e-9 * drop);
 }
 
-/// A block on a plane tilted so that tan(angle) = 0.5, through the direction of gravity.
+/// A stiff block on a plane tilted so that tan(angle) = 0.5, through the direction of gravity.
 Scene slope(double mu) {
     Scene scene;
     scene.name = "slope";
-    scene.dt = 0.01;
+    scene.dt = 0.025;
     const double angle = std::atan(0.5);
     scene.gravity = {kGravity * std::sin(angle), -kGravity * std::cos(angle), 0};
-    Body block = generated("block", "box", {{"size", {1, 0.25, 1}}, {"cells", {2, 1, 2}}});
-    block.material.young = 1e7;
-    block.transform = placed(0, 0.125 + 1e-3, 0);
+    Body block = generated("block", "box", {{"cells", {1, 1, 1}}});
+    block.material.model = Material::Model::FixedCorotated;
+    block.material.young = 1e9;
+    block.transform = placed(0, 0.5 + 0.02, 0);
     scene.bodies = {block};
     scene.half_spaces = {ground(mu)};
-    scene.contact.dhat = 2e-3;
-    scene.contact.dhat_absolute = true;
     scene.contact.epsv = 1e-5;
-    scene.contact.epsv_absolute = true;
     scene.contact.friction_iterations = 0;
     scene.solver.tolerance = 1e-6;
     return scene;
 }
 
+/// Mean speed along the slope in the last `steps` steps.
+double late_speed(Simulator& simulator, const Vector3& along, int steps) {
+    const Vector3 from = mean(simulator.positions());
+    const double start_time = simulator.time();
+    run_clean(simulator, steps);
+    const Vector3 to = mean(simulator.positions());
+    double distance = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+        distance += (to[k] - from[k]) * along[k];
+    return distance / (simulator.time() - start_time);
+}
+
+TEST(Slope, SticksJustAboveTheCriticalCoefficient) {
+    // One percent above tan(angle): the block that lands sliding must come to rest, creeping below epsv.
+    Simulator simulator = start(slope(0.505), checked_options());
+    run_clean(simulator, 60);
+    EXPECT_LE(std::abs(late_speed(simulator, {1, 0, 0}, 40)), simulator.resolved().epsv);
+}
+
 TEST(Slope, SticksAtTheCriticalCoefficient) {
-    // tan(angle) = mu: the friction force can just hold the block; it creeps below epsv.
-    Simulator simulator = start(slope(0.5), checked_options());
-    run_clean(simulator, 30);
-    const Vector3 settled = mean(simulator.positions());
-    run_clean(simulator, 50);
-    const double speed = (mean(simulator.positions())[0] - settled[0]) / (50 * 0.01);
-    EXPECT_LE(std::abs(speed), 2e-5);
+    // At tan(angle) = mu itself friction only just holds a block and never slows a sliding one, so the
+    // outcome depends on the landing; this is the field's own test of it.
+    const std::string path = std::string(NOLI_SHARED_DIR)
+                             + "/ipc-scenes/input/otherExamples/friction/slopeTest_highSchoolPhysics_0.5.txt";
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+    Result<Scene> scene = read_scene(path);
+    ASSERT_TRUE(bool(scene)) << scene.error().message;
+    scene.value().solver.tolerance_per_step = {1e-6};
+    Simulator simulator = start(scene.value(), checked_options());
+    run_clean(simulator, 20);
+    const double unit = 1.0 / std::sqrt(5.0);
+    EXPECT_LE(std::abs(late_speed(simulator, {2 * unit, -unit, 0}, 80)), 1.01 * simulator.resolved().epsv);
 }
 
 TEST(Slope, SlidesBelowItWithTheAnalyticAcceleration) {
     Simulator simulator = start(slope(0.49), checked_options());
-    run_clean(simulator, 30);
+    run_clean(simulator, 20);
     const double v0 = mean(simulator.velocities())[0];
-    run_clean(simulator, 50);
-    const double acceleration = (mean(simulator.velocities())[0] - v0) / (50 * 0.01);
+    run_clean(simulator, 80);
+    const double acceleration = (mean(simulator.velocities())[0] - v0) / (80 * 0.025);
     const double angle = std::atan(0.5);
     const double expected = kGravity * (std::sin(angle) - 0.49 * std::cos(angle));
-    EXPECT_NEAR(acceleration, expected, 0.02 * expected);
+    EXPECT_NEAR(acceleration, expected, 0.005 * expected);
 }
 
 TEST(Coulomb, SlidingBlockDeceleratesAtMuG) {
@@ -72,11 +95,11 @@ TEST(Coulomb, SlidingBlockDeceleratesAtMuG) {
     scene.gravity = {0, -kGravity, 0};
     scene.bodies[0].velocity = {2, 0, 0};
     Simulator simulator = start(scene, checked_options());
-    run_clean(simulator, 20);
+    run_clean(simulator, 4);
     const double v0 = mean(simulator.velocities())[0];
-    run_clean(simulator, 20);
-    const double deceleration = (v0 - mean(simulator.velocities())[0]) / (20 * 0.01);
-    EXPECT_NEAR(deceleration, 0.3 * kGravity, 0.02 * 0.3 * kGravity);
+    run_clean(simulator, 16);
+    const double deceleration = (v0 - mean(simulator.velocities())[0]) / (16 * scene.dt);
+    EXPECT_NEAR(deceleration, 0.3 * kGravity, 0.01 * 0.3 * kGravity);
 }
 
 Vector3 cross_sum(const std::span<const double> mass, const std::vector<Vector3>& x, const std::vector<Vector3>& v) {
@@ -181,7 +204,6 @@ double sag(int nx, int ny) {
     scene.contact.enabled = false;
     Simulator simulator = start(scene, checked_options());
     run_clean(simulator, 30);
-    double lowest = 0.0;
     const std::vector<Vector3> x = simulator.positions();
     int count = 0;
     double tip = 0.0;
@@ -190,7 +212,6 @@ double sag(int nx, int ny) {
             tip += p[1];
             ++count;
         }
-    (void)lowest;
     return -tip / count;
 }
 
