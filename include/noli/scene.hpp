@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// A scene: everything that a simulation starts from, as plain data. All quantities are SI
-/// (metres, kilograms, seconds, pascals); angles are in degrees and say so in their names.
-/// docs/scene-format.md describes the JSON form of each field.
+/// A scene: everything that a simulation starts from, as plain data. All quantities are
+/// SI (metres, kilograms, seconds, pascals); angles are in degrees and say so in their
+/// names. docs/scene-format.md describes the JSON form of each field.
 
 #include "noli/result.hpp"
 
@@ -28,77 +28,86 @@ struct Affine {
 struct Material {
     enum class Model { StableNeoHookean, NeoHookean, FixedCorotated };
     Model model = Model::StableNeoHookean;
-    double density = 1000.0;   ///< kg/m^3, > 0
-    double young = 1e5;        ///< Young's modulus, Pa, > 0
-    double poisson = 0.4;      ///< Poisson's ratio, in (-1, 0.5)
-    bool gipc_lame = false;    ///< StableNeoHookean only: the Lame mapping of the authors' program
+    double density = 1000.0;  ///< kg/m^3, > 0
+    double young = 1e5;       ///< Young's modulus, Pa, > 0
+    double poisson = 0.4;     ///< Poisson's ratio, in (-1, 0.5)
+    bool gipc_lame =
+        false;  ///< StableNeoHookean only: the Lame mapping of the authors' program
 };
 
 /// Where a body's mesh comes from: a file, or a generator with named numeric parameters.
 struct MeshSource {
-    std::string file;       ///< path; empty when generated
-    std::string generator;  ///< "box", "sphere", "torus", ...; empty when read from a file
-    std::vector<std::pair<std::string, std::vector<double>>> parameters;  ///< of the generator
-    bool fix_orientation = false;  ///< flip inverted tetrahedra on load instead of refusing
+    std::string file;  ///< path; empty when generated
+    std::string
+        generator;  ///< "box", "sphere", "torus", ...; empty when read from a file
+    std::vector<std::pair<std::string, std::vector<double>>>
+        parameters;  ///< of the generator
+    bool fix_orientation =
+        false;  ///< flip inverted tetrahedra on load instead of refusing
 };
 
 /// Which vertices of a body a boundary condition holds.
 struct Selection {
     enum class Kind { All, Box, Vertices };
     enum class Frame {
-        MeshBox,  ///< box in units of the untransformed mesh's bounding box, 0..1 per axis
+        MeshBox,  ///< box in units of the untransformed mesh's bounding box, 0..1 per
+                  ///< axis
         World     ///< box in metres, in the initial placement
     };
     Kind kind = Kind::All;
     Frame frame = Frame::MeshBox;
-    Vector3 box_min{0, 0, 0};  ///< inclusive
-    Vector3 box_max{1, 1, 1};  ///< inclusive
+    Vector3 box_min{0, 0, 0};   ///< inclusive
+    Vector3 box_max{1, 1, 1};   ///< inclusive
     std::vector<int> vertices;  ///< zero-based, in the order of the mesh file
     bool surface_only = false;  ///< of a box: only vertices of the surface
 };
 
 /// A key frame of a prescribed path, relative to the placement at the start of the scene.
 struct PathKey {
-    double time = 0.0;          ///< s, ascending
-    Vector3 translation{};      ///< m
-    Vector3 rotation_deg{};     ///< about the centre of the selection, Rx Ry Rz
+    double time = 0.0;       ///< s, ascending
+    Vector3 translation{};   ///< m
+    Vector3 rotation_deg{};  ///< about the centre of the selection, Rx Ry Rz
 };
 
-/// A condition on some vertices of one body, active while t_begin <= step start time < t_end.
+/// A condition on some vertices of one body, active while t_begin <= step start time <
+/// t_end.
 struct BoundaryCondition {
     enum class Kind {
-        Fixed,         ///< held where it is
-        Velocity,      ///< moves with `linear` and turns with `angular_deg`
-        Path,          ///< follows `path`, linear between key frames, held after the last
-        Sequence,      ///< positions of step k from `sequence[k]` (a mesh file each), then held
-        Force,         ///< total force `linear` in newtons, spread by mass
+        Fixed,     ///< held where it is
+        Velocity,  ///< moves with `linear` and turns with `angular_deg`
+        Path,      ///< follows `path`, linear between key frames, held after the last
+        Sequence,  ///< positions of step k from `sequence[k]` (a mesh file each), then
+                   ///< held
+        Force,     ///< total force `linear` in newtons, spread by mass
         Acceleration,  ///< acceleration `linear` in m/s^2
     };
     Kind kind = Kind::Fixed;
     Selection selection;
     Vector3 linear{};       ///< m/s, N or m/s^2 by kind
     Vector3 angular_deg{};  ///< deg/s; per step R = Rx(wx dt) Ry(wy dt) Rz(wz dt)
-    std::optional<Vector3> center;  ///< of rotation; default: current bounding-box centre of the selection
+    std::optional<Vector3>
+        center;  ///< of rotation; default: current bounding-box centre of the selection
     std::vector<PathKey> path;
     std::vector<std::string> sequence;  ///< files, one per step
     double t_begin = 0.0;               ///< s
     double t_end = kForever;            ///< s
 
-    /// Ends the condition for good at the first step that starts with every vertex of `body`
-    /// (or of the selection) beyond `value` along `axis`.
+    /// Ends the condition for good at the first step that starts with every vertex of
+    /// `body` (or of the selection) beyond `value` along `axis`.
     struct Until {
         enum class Subject { Body, Selection };
         Subject subject = Subject::Body;
-        int axis = 0;              ///< 0 x, 1 y, 2 z
-        bool above = true;         ///< beyond means >= value; else <= value
-        double value = 0.0;        ///< m
-        bool then_hold = false;    ///< afterwards fixed where it is; else released
+        int axis = 0;            ///< 0 x, 1 y, 2 z
+        bool above = true;       ///< beyond means >= value; else <= value
+        double value = 0.0;      ///< m
+        bool then_hold = false;  ///< afterwards fixed where it is; else released
     };
     std::optional<Until> until;
 };
 
-/// A body or, with `grid`, several copies of it. A mesh with tetrahedra is elastic; a mesh of
-/// triangles, segments or points alone is an obstacle that only boundary conditions move.
+/// A body or, with `grid`, several copies of it. A mesh with tetrahedra is elastic; a
+/// mesh of triangles, segments or points alone is an obstacle that only boundary
+/// conditions move.
 struct Body {
     std::string name;
     MeshSource mesh;
@@ -106,10 +115,10 @@ struct Body {
     Material material;
     Vector3 velocity{};              ///< initial, m/s
     Vector3 angular_velocity_deg{};  ///< initial, deg/s about the bounding-box centre
-    double friction = 0.0;           ///< default coefficient of contacts of this body, >= 0
+    double friction = 0.0;  ///< default coefficient of contacts of this body, >= 0
     std::vector<BoundaryCondition> boundary;
     std::array<int, 3> grid{1, 1, 1};  ///< copies along x, y, z
-    Vector3 grid_spacing{};            ///< m; copy (i,j,k) is shifted by (i sx, j sy, k sz)
+    Vector3 grid_spacing{};  ///< m; copy (i,j,k) is shifted by (i sx, j sy, k sz)
 };
 
 /// Solid region n.x < n.o is forbidden.
@@ -120,7 +129,8 @@ struct HalfSpace {
     double friction = 0.0;
 };
 
-/// Overrides for one pair of bodies (or a body and a half-space), by name; "*" matches all.
+/// Overrides for one pair of bodies (or a body and a half-space), by name; "*" matches
+/// all.
 struct ContactPairRule {
     std::string a, b;
     std::optional<double> friction;
@@ -134,18 +144,20 @@ enum class LinearSolver { Pcg, Cholmod };
 
 struct ContactSettings {
     bool enabled = true;
-    bool self_contact = true;        ///< contact within one body
-    double dhat = 1e-3;              ///< activation distance; relative to the scene's diagonal unless absolute
+    bool self_contact = true;  ///< contact within one body
+    double dhat =
+        1e-3;  ///< activation distance; relative to the scene's diagonal unless absolute
     bool dhat_absolute = false;
-    int barrier_exponent = 2;        ///< r of MATH 1.2: 1 or 2
+    int barrier_exponent = 2;  ///< r of MATH 1.2: 1 or 2
     ContactModel hessian = ContactModel::GnPlus;
     MollifierModel mollifier = MollifierModel::FourMode;
-    double kappa = 0.0;              ///< fixed stiffness, J/m^4; 0 = adaptive
+    double kappa = 0.0;  ///< fixed stiffness, J/m^4; 0 = adaptive
     double kappa_min_multiplier = 1e11;
-    double epsv = 1e-3;              ///< static friction speed; relative to the diagonal per second unless absolute
+    double epsv = 1e-3;  ///< static friction speed; relative to the diagonal per second
+                         ///< unless absolute
     bool epsv_absolute = false;
-    int friction_iterations = 1;     ///< lag updates per step; 0 = until convergence
-    double min_separation = 0.0;     ///< m, kept by the collision step bound
+    int friction_iterations = 1;  ///< lag updates per step; 0 = until convergence
+    double min_separation = 0.0;  ///< m, kept by the collision step bound
     std::vector<ContactPairRule> pairs;
 };
 
@@ -158,17 +170,19 @@ struct SolverSettings {
     Integrator integrator = Integrator::ImplicitEuler;
     double newmark_beta = 0.25;
     double newmark_gamma = 0.5;
-    double tolerance = 1e-2;         ///< Newton: stop at max|p| < tolerance * diagonal * dt (relative)
-    bool tolerance_absolute = false; ///< then max|p| < tolerance * dt, tolerance in m/s
-    std::vector<double> tolerance_per_step;  ///< overrides `tolerance` for step k; the last one repeats
+    double tolerance =
+        1e-2;  ///< Newton: stop at max|p| < tolerance * diagonal * dt (relative)
+    bool tolerance_absolute = false;  ///< then max|p| < tolerance * dt, tolerance in m/s
+    std::vector<double>
+        tolerance_per_step;  ///< overrides `tolerance` for step k; the last one repeats
     int max_newton = 1000;
     LinearSolver linear = LinearSolver::Pcg;
-    double pcg_tolerance = 1e-4;     ///< on r^T P^-1 r, relative (MATH 10)
+    double pcg_tolerance = 1e-4;  ///< on r^T P^-1 r, relative (MATH 10)
     int max_pcg = 20000;
 };
 
 struct OutputSettings {
-    int every = 1;                     ///< frames: every N steps; 0 = none
+    int every = 1;                            ///< frames: every N steps; 0 = none
     std::vector<std::string> formats{"vtu"};  ///< of "vtu", "obj", "ply"
     int checkpoint_steps = 0;          ///< checkpoint every N steps; 0 = by time only
     double checkpoint_seconds = 10.0;  ///< and at least every S seconds of wall time
@@ -181,7 +195,9 @@ struct Scene {
     double duration = 5.0;    ///< s
     double dt = 0.025;        ///< s
     Vector3 gravity{0, -9.80665, 0};
-    double length_scale = 0.0;  ///< m, the "diagonal" of relative settings; 0 = bounding-box diagonal of all elastic bodies at the start
+    double length_scale =
+        0.0;  ///< m, the "diagonal" of relative settings; 0 = bounding-box diagonal of
+              ///< all elastic bodies at the start
     std::vector<Body> bodies;
     std::vector<HalfSpace> half_spaces;
     ContactSettings contact;
@@ -200,8 +216,10 @@ struct SceneWarning {
 };
 
 /// Reads native JSON (format version 1) or an IPC script (.txt), by extension.
-/// Every error of a JSON scene carries a JSON pointer, what was found, what was expected, a cure.
-Result<Scene> read_scene(const std::string& path, std::vector<SceneWarning>* warnings = nullptr);
+/// Every error of a JSON scene carries a JSON pointer, what was found, what was expected,
+/// a cure.
+Result<Scene> read_scene(const std::string& path,
+                         std::vector<SceneWarning>* warnings = nullptr);
 
 /// The scene as native JSON text; reading it back gives the same scene, bit for bit.
 std::string scene_to_json(const Scene& scene);

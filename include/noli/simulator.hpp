@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Running a scene: step by step (Simulator), or as a whole into a run directory (run_scene).
+/// Running a scene: step by step (Simulator), or as a whole into a run directory
+/// (run_scene).
 
 #include "noli/result.hpp"
 #include "noli/scene.hpp"
@@ -23,59 +24,64 @@ enum class Device { Auto, Cpu, Cuda };
 
 struct SimulatorOptions {
     Device device = Device::Auto;
-    int threads = 0;                 ///< 0 = all cores
-    bool verify = false;             ///< exact intersection and inversion test after every accepted step
+    int threads = 0;  ///< 0 = all cores
+    bool verify =
+        false;  ///< exact intersection and inversion test after every accepted step
     bool record_iterations = false;  ///< keep an IterationRecord per Newton iteration
 };
 
 /// How a time step ended.
 enum class Outcome {
     Converged,
-    MaxIterations,        ///< the Newton iteration cap
-    Stalled,              ///< steps too short to make progress, with every contact Hessian tried
-    LinearSolverFailed,   ///< PCG broke down or hit its cap, or a factorisation failed
-    NumericalTrouble,     ///< NaN or infinity
-    BoundaryBlocked,      ///< a prescribed motion runs into something that cannot give way
-    Intersecting,         ///< --verify found an intersection or an inversion (a bug)
+    MaxIterations,  ///< the Newton iteration cap
+    Stalled,  ///< steps too short to make progress, with every contact Hessian tried
+    LinearSolverFailed,  ///< PCG broke down or hit its cap, or a factorisation failed
+    NumericalTrouble,    ///< NaN or infinity
+    BoundaryBlocked,     ///< a prescribed motion runs into something that cannot give way
+    Intersecting,        ///< --verify found an intersection or an inversion (a bug)
 };
 const char* to_string(Outcome outcome);
 
 /// One Newton iteration.
 struct IterationRecord {
     int iteration = 0;
-    double energy = 0.0;          ///< incremental potential before the update, J times h^2
-    double energy_after = 0.0;    ///< and after it, with the same kappa
-    double direction = 0.0;       ///< max |p|, m
-    double gradient = 0.0;        ///< max |g| over free vertices
-    double step_bound = 1.0;      ///< largest collision- and inversion-free step
-    double step = 1.0;            ///< accepted step length alpha
-    int halvings = 0;             ///< of the line search
-    int pcg = 0;                  ///< iterations of the linear solver
-    int contacts = 0;             ///< active pairs
-    double min_gap = 0.0;         ///< m
+    double energy = 0.0;        ///< incremental potential before the update, J times h^2
+    double energy_after = 0.0;  ///< and after it, with the same kappa
+    double direction = 0.0;     ///< max |p|, m
+    double gradient = 0.0;      ///< max |g| over free vertices
+    double step_bound = 1.0;    ///< largest collision- and inversion-free step
+    double step = 1.0;          ///< accepted step length alpha
+    int halvings = 0;           ///< of the line search
+    int pcg = 0;                ///< iterations of the linear solver
+    int contacts = 0;           ///< active pairs
+    double min_gap = 0.0;       ///< m
     double kappa = 0.0;
-    std::string limiting;         ///< what bounds the step: "pair EE 12 13 | 40 41", "tet 7", "boundary", ""
+    std::string limiting;  ///< what bounds the step: "pair EE 12 13 | 40 41", "tet 7",
+                           ///< "boundary", ""
     bool noise_accepted = false;  ///< energies differ by less than their rounding error
-    bool boundary_moved = false;  ///< a prescribed motion advanced, so the energy may rise
+    bool boundary_moved =
+        false;  ///< a prescribed motion advanced, so the energy may rise
 };
 
 /// What one time step did.
 struct StepReport {
-    int step = 0;          ///< 1 for the first step
-    double time = 0.0;     ///< s, at the end of the step
+    int step = 0;       ///< 1 for the first step
+    double time = 0.0;  ///< s, at the end of the step
     Outcome outcome = Outcome::Converged;
-    std::string message;   ///< empty, or the likeliest cause with numbers and ids
-    int newton = 0;        ///< linear systems solved
-    int pcg = 0;           ///< linear iterations, summed
+    std::string message;  ///< empty, or the likeliest cause with numbers and ids
+    int newton = 0;       ///< linear systems solved
+    int pcg = 0;          ///< linear iterations, summed
     int friction_updates = 0;
     int contacts = 0;      ///< active pairs at the end
     double min_gap = 0.0;  ///< m; +infinity if nothing is near
     double kappa = 0.0;    ///< J/m^4
-    double boundary_yield = 0.0;  ///< m that blocked prescribed vertices stayed short of their targets
+    double boundary_yield =
+        0.0;  ///< m that blocked prescribed vertices stayed short of their targets
     int intersections = -1;  ///< exact test; -1 = not tested
     int inversions = -1;
     double wall_s = 0.0;
-    double t_pairs = 0, t_assemble = 0, t_solve = 0, t_ccd = 0, t_search = 0, t_output = 0;  ///< s
+    double t_pairs = 0, t_assemble = 0, t_solve = 0, t_ccd = 0, t_search = 0,
+           t_output = 0;  ///< s
     double peak_mb = 0.0;
     std::vector<IterationRecord> iterations;
 };
@@ -90,10 +96,11 @@ struct Topology {
     std::span<const double> mass;  ///< lumped, per vertex, kg; 0 for obstacles
 };
 
-/// Fields of the current state, in the order of the vertices of all bodies (mesh-file order).
+/// Fields of the current state, in the order of the vertices of all bodies (mesh-file
+/// order).
 struct Fields {
-    std::vector<Vector3> contact_force;  ///< per vertex, N
-    std::vector<double> von_mises;       ///< per tet, Pa
+    std::vector<Vector3> contact_force;         ///< per vertex, N
+    std::vector<double> von_mises;              ///< per tet, Pa
     std::vector<std::array<double, 9>> stress;  ///< per tet, Cauchy, row-major, Pa
 };
 
@@ -105,7 +112,8 @@ struct ExactIntersection {
 };
 
 struct VerifyReport {
-    std::vector<ExactIntersection> intersections;  ///< edge through triangle; at most 1000 listed
+    std::vector<ExactIntersection>
+        intersections;  ///< edge through triangle; at most 1000 listed
     int num_intersections = 0;
     std::vector<int> inverted_tets;
     int num_inversions = 0;
@@ -113,12 +121,12 @@ struct VerifyReport {
 
 /// Settings as they came out, in absolute units.
 struct Resolved {
-    double diagonal = 0.0;   ///< m
-    double dhat = 0.0;       ///< m
-    double epsv = 0.0;       ///< m/s
-    double tolerance = 0.0;  ///< m/s
-    std::string device;      ///< "CPU, 2 threads, AVX-512" or the GPU's name
-    std::string device_note; ///< why that device, when "auto"
+    double diagonal = 0.0;    ///< m
+    double dhat = 0.0;        ///< m
+    double epsv = 0.0;        ///< m/s
+    double tolerance = 0.0;   ///< m/s
+    std::string device;       ///< "CPU, 2 threads, AVX-512" or the GPU's name
+    std::string device_note;  ///< why that device, when "auto"
     double estimated_mb = 0.0;
     double total_mass = 0.0;
     int num_vertices = 0, num_tets = 0, num_triangles = 0, num_bodies = 0;
@@ -127,14 +135,16 @@ struct Resolved {
 /// Owns the state of one simulation. Movable, not copyable.
 class Simulator {
   public:
-    /// Loads meshes, checks them, finds a device. Does not check for initial intersections.
-    static Result<Simulator> create(const Scene& scene, const SimulatorOptions& options = {});
+    /// Loads meshes, checks them, finds a device. Does not check for initial
+    /// intersections.
+    static Result<Simulator> create(const Scene& scene,
+                                    const SimulatorOptions& options = {});
     Simulator(Simulator&&) noexcept;
     Simulator& operator=(Simulator&&) noexcept;
     ~Simulator();
 
-    /// Advances by one time step. Never throws; a step that could not finish leaves the state at
-    /// the last intersection-free iterate and says so in its outcome.
+    /// Advances by one time step. Never throws; a step that could not finish leaves the
+    /// state at the last intersection-free iterate and says so in its outcome.
     StepReport step();
 
     [[nodiscard]] int steps_done() const;
@@ -148,14 +158,16 @@ class Simulator {
     /// Exact test of the current state for intersections and inverted tetrahedra.
     [[nodiscard]] VerifyReport verify() const;
 
-    /// Hash of the complete state (positions, velocities, stiffness, step); equal on equal states.
+    /// Hash of the complete state (positions, velocities, stiffness, step); equal on
+    /// equal states.
     [[nodiscard]] std::uint64_t state_hash() const;
 
     /// The complete state as bytes; `restore` continues bitwise as if never stopped.
     [[nodiscard]] std::vector<std::byte> save() const;
     Status restore(std::span<const std::byte> bytes);
 
-    /// Kinetic, elastic and potential energy (J), momenta about the origin (kg m/s, kg m^2/s).
+    /// Kinetic, elastic and potential energy (J), momenta about the origin (kg m/s, kg
+    /// m^2/s).
     struct Balance {
         double kinetic = 0, elastic = 0, gravitational = 0, contact = 0;
         Vector3 linear{}, angular{};
@@ -169,21 +181,24 @@ class Simulator {
 };
 
 struct RunOptions {
-    std::string directory;             ///< created; must be empty or a run of the same scene with resume
-    int steps = -1;                    ///< -1 = all of the scene
+    std::string
+        directory;   ///< created; must be empty or a run of the same scene with resume
+    int steps = -1;  ///< -1 = all of the scene
     bool resume = false;
-    bool overwrite = false;            ///< start anew in a directory that holds a run
-    bool iteration_log = false;        ///< iterations.jsonl
+    bool overwrite = false;      ///< start anew in a directory that holds a run
+    bool iteration_log = false;  ///< iterations.jsonl
     SimulatorOptions simulator;
     std::function<void(const Resolved&, int first_step, int last_step)> on_start;
     std::function<void(const StepReport&)> on_step;
-    /// Things worth saying that are not errors: damaged checkpoints skipped, where a resume starts.
+    /// Things worth saying that are not errors: damaged checkpoints skipped, where a
+    /// resume starts.
     std::function<void(const std::string&)> on_note;
-    const std::atomic<bool>* stop = nullptr;  ///< set it to finish the step, write a checkpoint and return
+    const std::atomic<bool>* stop =
+        nullptr;  ///< set it to finish the step, write a checkpoint and return
 };
 
 struct RunSummary {
-    int steps_done = 0;   ///< in total, including those before a resume
+    int steps_done = 0;  ///< in total, including those before a resume
     int steps_asked = 0;
     bool interrupted = false;
     Outcome outcome = Outcome::Converged;  ///< of the last step
@@ -194,7 +209,8 @@ struct RunSummary {
     std::uint64_t state_hash = 0;  ///< after steps_done
 };
 
-/// Runs a scene into a directory (docs/frame-format.md): frames, stats.csv, checkpoints, log.
+/// Runs a scene into a directory (docs/frame-format.md): frames, stats.csv, checkpoints,
+/// log.
 Result<RunSummary> run_scene(const Scene& scene, const RunOptions& options);
 
 struct Finding {
@@ -211,16 +227,18 @@ struct CheckReport {
     double min_gap = 0.0;  ///< m
     Resolved resolved;
     double estimated_step_s = 0.0;
-    std::string marked_mesh;  ///< PLY with intersecting triangles in colour, when there are any
+    std::string
+        marked_mesh;  ///< PLY with intersecting triangles in colour, when there are any
 };
-/// `mark_folder`: where the coloured mesh goes when there are intersections; empty = nowhere.
+/// `mark_folder`: where the coloured mesh goes when there are intersections; empty =
+/// nowhere.
 Result<CheckReport> check_scene(const Scene& scene, const std::string& mark_folder = {});
 
 /// A few lines about a mesh file, a scene file or a run directory.
 Result<std::string> describe(const std::string& path);
 
-/// Reads a mesh file and writes it in another format, both by extension. Fails if the format
-/// cannot hold the mesh's elements.
+/// Reads a mesh file and writes it in another format, both by extension. Fails if the
+/// format cannot hold the mesh's elements.
 Status convert_mesh(const std::string& from, const std::string& to);
 
 }  // namespace noli

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// W doubles that are computed on together (GCC vector extensions; g++ and clang only).
-/// Comparisons give a mask; select(mask, a, b) picks per lane. The same function templates exist
-/// for double, so a formula templated on T reads the same for both.
+/// Comparisons give a mask; select(mask, a, b) picks per lane. The same function
+/// templates exist for double, so a formula templated on T reads the same for both.
 
 #include <cmath>
 
@@ -45,8 +45,9 @@ struct Pack {
     Raw v;
 
     Pack() = default;
-    // Spelled out so that aggregates of packs are copied pack by pack: g++ copies trivial ones as
-    // 16-byte pieces, and loading a pack from those stalls (1.6x on the elastic Hessian, AVX2).
+    // Spelled out so that aggregates of packs are copied pack by pack: g++ copies trivial
+    // ones as 16-byte pieces, and loading a pack from those stalls (1.6x on the elastic
+    // Hessian, AVX2).
     Pack(const Pack& b) : v(b.v) {}
     Pack& operator=(const Pack& b) {
         v = b.v;
@@ -76,7 +77,9 @@ struct Pack {
     friend Mask operator>(const Pack& a, const Pack& b) { return {a.v > b.v}; }
     friend Mask operator>=(const Pack& a, const Pack& b) { return {a.v >= b.v}; }
 
-    friend Pack select(Mask mask, const Pack& a, const Pack& b) { return from(mask.m ? a.v : b.v); }
+    friend Pack select(Mask mask, const Pack& a, const Pack& b) {
+        return from(mask.m ? a.v : b.v);
+    }
     friend Pack sqrt(const Pack& a) {
         Pack r;
         for (int i = 0; i < W; ++i)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The double versions of what core/pack.hpp offers for packs, so that a formula templated on its
-/// scalar type reads the same for both.
+/// The double versions of what core/pack.hpp offers for packs, so that a formula
+/// templated on its scalar type reads the same for both.
 
 #include "core/device.hpp"
 
@@ -12,8 +12,12 @@ namespace noli {
 using std::fabs;
 using std::sqrt;
 
-NOLI_HD inline double select(bool mask, double a, double b) { return mask ? a : b; }
-NOLI_HD inline bool any(bool mask) { return mask; }
+NOLI_HD inline double select(bool mask, double a, double b) {
+    return mask ? a : b;
+}
+NOLI_HD inline bool any(bool mask) {
+    return mask;
+}
 template <class F>
 NOLI_HD inline double map_lanes(double a, F f) {
     return f(a);

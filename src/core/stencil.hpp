@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What pair and element kernels exchange: the points of a stencil, a gradient on them, and a
-/// positive semi-definite Hessian written as a short sum of outer products.
+/// What pair and element kernels exchange: the points of a stencil, a gradient on them,
+/// and a positive semi-definite Hessian written as a short sum of outer products.
 
 #include "core/vec.hpp"
 

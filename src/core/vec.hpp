@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Small vectors and matrices for kernels, templated on the scalar: double or a SIMD pack.
-/// Aggregates without constructors, so that arrays of them can be left uninitialised.
+/// Small vectors and matrices for kernels, templated on the scalar: double or a SIMD
+/// pack. Aggregates without constructors, so that arrays of them can be left
+/// uninitialised.
 
 #include "core/device.hpp"
 
@@ -141,10 +142,20 @@ NOLI_HD inline Mat3<T> transpose(const Mat3<T>& m) {
 /// a bᵀ
 template <class T>
 NOLI_HD inline Mat3<T> outer(const Vec3<T>& a, const Vec3<T>& b) {
-    return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y, a.z * b.z};
+    return {a.x * b.x,
+            a.x * b.y,
+            a.x * b.z,
+            a.y * b.x,
+            a.y * b.y,
+            a.y * b.z,
+            a.z * b.x,
+            a.z * b.y,
+            a.z * b.z};
 }
 template <class T>
-NOLI_HD inline Mat3<T> from_columns(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
+NOLI_HD inline Mat3<T> from_columns(const Vec3<T>& a,
+                                    const Vec3<T>& b,
+                                    const Vec3<T>& c) {
     return {a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z};
 }
 template <class T>
@@ -154,14 +165,19 @@ NOLI_HD inline T det(const Mat3<T>& m) {
 /// Cofactor matrix, d det(m) / d m.
 template <class T>
 NOLI_HD inline Mat3<T> cofactor(const Mat3<T>& m) {
-    return from_columns(cross(m.col(1), m.col(2)), cross(m.col(2), m.col(0)), cross(m.col(0), m.col(1)));
+    return from_columns(
+        cross(m.col(1), m.col(2)), cross(m.col(2), m.col(0)), cross(m.col(0), m.col(1)));
 }
 template <class T>
 NOLI_HD inline Mat3<T> inverse(const Mat3<T>& m) {
     return (T(1) / det(m)) * transpose(cofactor(m));
 }
-NOLI_HD inline Mat3<double> identity3() { return {1, 0, 0, 0, 1, 0, 0, 0, 1}; }
-NOLI_HD inline Mat3<double> zero3() { return {0, 0, 0, 0, 0, 0, 0, 0, 0}; }
+NOLI_HD inline Mat3<double> identity3() {
+    return {1, 0, 0, 0, 1, 0, 0, 0, 1};
+}
+NOLI_HD inline Mat3<double> zero3() {
+    return {0, 0, 0, 0, 0, 0, 0, 0, 0};
+}
 
 using Vec2d = Vec2<double>;
 using Vec3d = Vec3<double>;

@@ -22,8 +22,8 @@ struct View {
 
     /// A view of mutable items converts to a view of const items.
     template <class U>
-        requires(std::is_same_v<U, const T> && !std::is_const_v<T>)
-    NOLI_HD operator View<U>() const {  // NOLINT: implicit on purpose
+    requires(std::is_same_v<U, const T> && !std::is_const_v<T>) NOLI_HD operator View<U>()
+        const {  // NOLINT: implicit on purpose
         return {data, size};
     }
 };

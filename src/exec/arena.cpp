@@ -15,17 +15,23 @@ struct Arena::Impl {
 
     explicit Impl(int count)
         : threads(count),
-          limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
+          limit(tbb::global_control::max_allowed_parallelism,
+                static_cast<std::size_t>(count)),
           arena(count) {}
 };
 
 Arena::Arena(int threads)
-    : impl_(std::make_unique<Impl>(threads > 0 ? threads : tbb::info::default_concurrency())) {}
+    : impl_(std::make_unique<Impl>(threads > 0 ? threads
+                                               : tbb::info::default_concurrency())) {}
 Arena::~Arena() = default;
 Arena::Arena(Arena&&) noexcept = default;
 Arena& Arena::operator=(Arena&&) noexcept = default;
 
-void Arena::run(const std::function<void()>& f) { impl_->arena.execute(f); }
-int Arena::threads() const { return impl_->threads; }
+void Arena::run(const std::function<void()>& f) {
+    impl_->arena.execute(f);
+}
+int Arena::threads() const {
+    return impl_->threads;
+}
 
 }  // namespace noli

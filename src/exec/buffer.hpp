@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Growable host array whose items are left uninitialised: what a CPU executor calls a buffer.
+/// Growable host array whose items are left uninitialised: what a CPU executor calls a
+/// buffer.
 
 #include "core/view.hpp"
 
@@ -16,12 +17,15 @@ class HostBuffer {
     void resize(int n) {
         if (n > capacity_) {
             capacity_ = n + n / 4 + 16;
-            data_ = std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(capacity_));
+            data_ =
+                std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(capacity_));
         }
         size_ = n;
     }
     [[nodiscard]] int size() const { return size_; }
-    [[nodiscard]] std::size_t bytes() const { return sizeof(T) * static_cast<std::size_t>(capacity_); }
+    [[nodiscard]] std::size_t bytes() const {
+        return sizeof(T) * static_cast<std::size_t>(capacity_);
+    }
     View<T> view() { return {data_.get(), size_}; }
     [[nodiscard]] View<const T> view() const { return {data_.get(), size_}; }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The CPU executors: Cpu (oneTBB), Serial (the reference) and Shuffled (indices in a scrambled
-/// order, to catch loops whose result depends on order). All three give bitwise equal results.
+/// The CPU executors: Cpu (oneTBB), Serial (the reference) and Shuffled (indices in a
+/// scrambled order, to catch loops whose result depends on order). All three give bitwise
+/// equal results.
 
 #include "core/view.hpp"
 #include "exec/buffer.hpp"
@@ -30,10 +31,11 @@ struct TbbOrder {
                 f(i);
             return;
         }
-        tbb::parallel_for(tbb::blocked_range<int>(0, n, grain), [&](const tbb::blocked_range<int>& range) {
-            for (int i = range.begin(); i != range.end(); ++i)
-                f(i);
-        });
+        tbb::parallel_for(tbb::blocked_range<int>(0, n, grain),
+                          [&](const tbb::blocked_range<int>& range) {
+                              for (int i = range.begin(); i != range.end(); ++i)
+                                  f(i);
+                          });
     }
 };
 
@@ -60,8 +62,8 @@ struct ShuffledOrder {
 
 }  // namespace detail
 
-/// Runs kernels on the host. Reductions use a fixed partition, so results do not depend on the
-/// number of threads nor on the order of execution.
+/// Runs kernels on the host. Reductions use a fixed partition, so results do not depend
+/// on the number of threads nor on the order of execution.
 template <class Order>
 class HostExec {
   public:
@@ -96,11 +98,12 @@ class HostExec {
     template <class F>
     double min(const char* /*name*/, int n, F f) {
         constexpr double kNone = std::numeric_limits<double>::infinity();
-        return reduce(n, kNone, f, [](double a, double b) { return (b < a || b != b) ? b : a; });
+        return reduce(
+            n, kNone, f, [](double a, double b) { return (b < a || b != b) ? b : a; });
     }
 
-    /// offsets[i] = counts[0] + ... + counts[i-1]; offsets has one item more than counts and may
-    /// not alias it. Returns the total.
+    /// offsets[i] = counts[0] + ... + counts[i-1]; offsets has one item more than counts
+    /// and may not alias it. Returns the total.
     int scan(const char* /*name*/, View<const int> counts, View<int> offsets) {
         int total = 0;
         for (int i = 0; i < counts.size; ++i) {
@@ -125,7 +128,8 @@ class HostExec {
             std::size_t start[257] = {};
             for (std::size_t i = 0; i < n; ++i)
                 ++start[((k0[i] >> shift) & 255) + 1];
-            if (std::find(start, start + 257, n) != start + 257) continue;  // one digit only
+            if (std::find(start, start + 257, n) != start + 257)
+                continue;  // one digit only
             for (int d = 0; d < 256; ++d)
                 start[d + 1] += start[d];
             for (std::size_t i = 0; i < n; ++i) {
@@ -166,7 +170,8 @@ class HostExec {
   private:
     template <class F, class Combine>
     double reduce(int n, double start, F f, Combine combine) {
-        constexpr int kChunk = 512;  // fixed: the split must not depend on the thread count
+        constexpr int kChunk =
+            512;  // fixed: the split must not depend on the thread count
         const int chunks = (n + kChunk - 1) / kChunk;
         const auto reduce_chunk = [&](int c) {
             double acc = start;

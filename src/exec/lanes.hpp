@@ -2,12 +2,12 @@
 #pragma once
 /// Element loops in SIMD packs, with the width chosen at run time.
 ///
-/// A lane kernel is a function object with `template <class T> void operator()(Lane<T> lane)`.
-/// `T` is a pack of 8, 4 or 2 doubles, or double itself for the last elements and on the GPU.
-/// `lane.first` is the index of its first element; lane j of a pack is element first + j.
-/// The three widths are compiled into one binary (function attributes, never per-file flags) and
-/// give bitwise equal results, because packs do the same operations in the same order and fused
-/// multiply-add contraction is off.
+/// A lane kernel is a function object with `template <class T> void operator()(Lane<T>
+/// lane)`. `T` is a pack of 8, 4 or 2 doubles, or double itself for the last elements and
+/// on the GPU. `lane.first` is the index of its first element; lane j of a pack is
+/// element first + j. The three widths are compiled into one binary (function attributes,
+/// never per-file flags) and give bitwise equal results, because packs do the same
+/// operations in the same order and fused multiply-add contraction is off.
 
 #include "core/device.hpp"
 
@@ -24,11 +24,13 @@ struct Lane {
 #include "core/pack.hpp"
 namespace noli {
 
-inline constexpr int kLaneBlock = 64;  ///< elements per task; a multiple of every pack width
+inline constexpr int kLaneBlock =
+    64;  ///< elements per task; a multiple of every pack width
 
 enum class LaneDispatch { Width2, Width4, Width8 };
 
-/// The widest packs that this processor runs; NOLI_SIMD=2|4|8 in the environment asks for less.
+/// The widest packs that this processor runs; NOLI_SIMD=2|4|8 in the environment asks for
+/// less.
 LaneDispatch lane_dispatch();
 
 namespace detail {
@@ -48,13 +50,14 @@ __attribute__((flatten)) void run_packs_2(int begin, int end, const F& f) {
 }
 #if defined(__x86_64__)
 template <class F>
-__attribute__((target("avx2"), flatten)) void run_packs_4(int begin, int end, const F& f) {
+__attribute__((target("avx2"), flatten)) void run_packs_4(int begin,
+                                                          int end,
+                                                          const F& f) {
     run_packs<4>(begin, end, f);
 }
 template <class F>
-__attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"), flatten)) void run_packs_8(int begin,
-                                                                              int end,
-                                                                              const F& f) {
+__attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"), flatten)) void
+run_packs_8(int begin, int end, const F& f) {
     run_packs<8>(begin, end, f);
 }
 #endif

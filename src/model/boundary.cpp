@@ -10,7 +10,9 @@ namespace noli {
 
 namespace {
 
-Vec3d to_vec3(const Vector3& v) { return {v[0], v[1], v[2]}; }
+Vec3d to_vec3(const Vector3& v) {
+    return {v[0], v[1], v[2]};
+}
 
 Vec3d box_center(std::span<const Vec3d> x, const std::vector<int>& vertices) {
     constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -49,7 +51,8 @@ void prescribe(StepBoundary& out, int vertex, const Vec3d& target) {
 }
 
 bool is_load(BoundaryCondition::Kind kind) {
-    return kind == BoundaryCondition::Kind::Force || kind == BoundaryCondition::Kind::Acceleration;
+    return kind == BoundaryCondition::Kind::Force
+        || kind == BoundaryCondition::Kind::Acceleration;
 }
 
 }  // namespace
@@ -63,8 +66,8 @@ void BoundaryScript::update_until(std::span<const Vec3d> x) {
         if (ended[c] != 0 || !condition.what.until) continue;
         const BoundaryCondition::Until& until = *condition.what.until;
         const auto& subject = until.subject == BoundaryCondition::Until::Subject::Body
-                                  ? condition.body_vertices
-                                  : condition.vertices;
+                                ? condition.body_vertices
+                                : condition.vertices;
         const bool all_beyond = std::all_of(subject.begin(), subject.end(), [&](int v) {
             const double at = x[static_cast<std::size_t>(v)][until.axis];
             return until.above ? at >= until.value : at <= until.value;
@@ -73,8 +76,12 @@ void BoundaryScript::update_until(std::span<const Vec3d> x) {
     }
 }
 
-void BoundaryScript::apply(
-    int index, double t, double dt, int step, std::span<const Vec3d> x, StepBoundary& out) const {
+void BoundaryScript::apply(int index,
+                           double t,
+                           double dt,
+                           int step,
+                           std::span<const Vec3d> x,
+                           StepBoundary& out) const {
     const ModelCondition& condition = model_->conditions[static_cast<std::size_t>(index)];
     const BoundaryCondition& what = condition.what;
     const std::uint8_t state = ended[static_cast<std::size_t>(index)];
@@ -100,11 +107,14 @@ void BoundaryScript::apply(
         return;
     }
     if (what.kind == BoundaryCondition::Kind::Velocity) {
-        const Vec3d center = what.center ? to_vec3(*what.center) : box_center(x, condition.vertices);
+        const Vec3d center =
+            what.center ? to_vec3(*what.center) : box_center(x, condition.vertices);
         const Mat3d turn = rotation_from_degrees(dt * to_vec3(what.angular_deg));
         const Vec3d shift = dt * to_vec3(what.linear);
         for (const int v : condition.vertices)
-            prescribe(out, v, center + turn * (x[static_cast<std::size_t>(v)] - center) + shift);
+            prescribe(out,
+                      v,
+                      center + turn * (x[static_cast<std::size_t>(v)] - center) + shift);
         return;
     }
     if (what.kind == BoundaryCondition::Kind::Path) {
@@ -119,7 +129,8 @@ void BoundaryScript::apply(
     }
     // Sequence: entry k is the end of step k; the last one is held.
     const std::size_t last = condition.sequence.size() - 1;
-    const auto& frame = condition.sequence[std::min(last, static_cast<std::size_t>(step))];
+    const auto& frame =
+        condition.sequence[std::min(last, static_cast<std::size_t>(step))];
     for (std::size_t i = 0; i < condition.vertices.size(); ++i)
         prescribe(out, condition.vertices[i], frame[i]);
 }

@@ -7,28 +7,37 @@
 #include "model/rotation.hpp"
 #include "model/select.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 
 namespace noli {
 
 namespace {
 
-Vec3d to_vec3(const Vector3& v) { return {v[0], v[1], v[2]}; }
+Vec3d to_vec3(const Vector3& v) {
+    return {v[0], v[1], v[2]};
+}
 
 Vec3d apply(const Affine& m, const Vec3d& p) {
     const auto row = [&](std::size_t i) {
-        return m.rows[i][0] * p.x + m.rows[i][1] * p.y + m.rows[i][2] * p.z + m.rows[i][3];
+        return m.rows[i][0] * p.x + m.rows[i][1] * p.y + m.rows[i][2] * p.z
+             + m.rows[i][3];
     };
     return {row(0), row(1), row(2)};
 }
 
 double linear_det(const Affine& m) {
-    return det(Mat3d{m.rows[0][0], m.rows[0][1], m.rows[0][2], m.rows[1][0], m.rows[1][1],
-                     m.rows[1][2], m.rows[2][0], m.rows[2][1], m.rows[2][2]});
+    return det(Mat3d{m.rows[0][0],
+                     m.rows[0][1],
+                     m.rows[0][2],
+                     m.rows[1][0],
+                     m.rows[1][1],
+                     m.rows[1][2],
+                     m.rows[2][0],
+                     m.rows[2][1],
+                     m.rows[2][2]});
 }
 
 std::string body_place(const Scene& scene, std::size_t index) {
@@ -47,7 +56,8 @@ class Builder {
             if (!added) return added.error();
         }
         if (model_.num_vertices == 0)
-            return Error{Error::Code::InvalidScene, scene_.name + ":/bodies",
+            return Error{Error::Code::InvalidScene,
+                         scene_.name + ":/bodies",
                          "the scene has no bodies; add at least one"};
         sort_tets();
         model_.tet_source = source_;
@@ -79,19 +89,24 @@ class Builder {
         for (int i = 0; i < body.grid[0]; ++i)
             for (int j = 0; j < body.grid[1]; ++j)
                 for (int k = 0; k < body.grid[2]; ++k) {
-                    const Vec3d shift{i * body.grid_spacing[0], j * body.grid_spacing[1],
+                    const Vec3d shift{i * body.grid_spacing[0],
+                                      j * body.grid_spacing[1],
                                       k * body.grid_spacing[2]};
                     const bool copies = body.grid[0] * body.grid[1] * body.grid[2] > 1;
                     const std::string name =
-                        copies ? fmt::format("{}[{},{},{}]", body.name, i, j, k) : body.name;
+                        copies ? fmt::format("{}[{},{},{}]", body.name, i, j, k)
+                               : body.name;
                     Status added = add_copy(index, mesh, file_x, shift, name);
                     if (!added) return added.error();
                 }
         return Done{};
     }
 
-    Status add_copy(std::size_t index, const Mesh& mesh, const std::vector<Vec3d>& file_x,
-                    const Vec3d& shift, const std::string& name) {
+    Status add_copy(std::size_t index,
+                    const Mesh& mesh,
+                    const std::vector<Vec3d>& file_x,
+                    const Vec3d& shift,
+                    const std::string& name) {
         const Body& body = scene_.bodies[index];
         const int first = model_.num_vertices;
         const int count = static_cast<int>(mesh.x.size());
@@ -101,9 +116,11 @@ class Builder {
         source_body_.push_back(index);
         for (const Vec3d& p : mesh.x)
             model_.x0.push_back(p + shift);
-        model_.body.resize(static_cast<std::size_t>(model_.num_vertices), model_.num_bodies() - 1);
+        model_.body.resize(static_cast<std::size_t>(model_.num_vertices),
+                           model_.num_bodies() - 1);
         model_.mass.resize(static_cast<std::size_t>(model_.num_vertices), 0.0);
-        model_.obstacle.resize(static_cast<std::size_t>(model_.num_vertices), elastic ? 0 : 1);
+        model_.obstacle.resize(static_cast<std::size_t>(model_.num_vertices),
+                               elastic ? 0 : 1);
         add_surface(mesh, first);
         if (elastic) {
             Status added = add_tets(index, mesh, first, name);
@@ -114,24 +131,36 @@ class Builder {
         return add_conditions(index, mesh, file_x, first, name);
     }
 
-    Status add_tets(std::size_t index, const Mesh& mesh, int first, const std::string& name) {
+    Status add_tets(std::size_t index,
+                    const Mesh& mesh,
+                    int first,
+                    const std::string& name) {
         const Body& body = scene_.bodies[index];
         const Material& material = body.material;
-        const auto lame = lame_parameters(static_cast<ElasticModel>(material.model), material.young,
-                                          material.poisson, material.gipc_lame);
+        const auto lame = lame_parameters(static_cast<ElasticModel>(material.model),
+                                          material.young,
+                                          material.poisson,
+                                          material.gipc_lame);
         for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
             Int4 tet = mesh.tets[t];
             for (int& v : tet.v)
                 v += first;
-            const auto at = [&](int k) { return model_.x0[static_cast<std::size_t>(tet[k])]; };
+            const auto at = [&](int k) {
+                return model_.x0[static_cast<std::size_t>(tet[k])];
+            };
             const Mat3d dm = from_columns(at(1) - at(0), at(2) - at(0), at(3) - at(0));
             const double volume = det(dm) / 6.0;
             if (!(volume > 0.0))
-                return Error{Error::Code::BadMesh, body_place(scene_, index) + "/mesh",
-                             fmt::format("tetrahedron {} of body \"{}\" has volume {:g} m^3 after the "
-                                         "transform, expected > 0; set \"fix_orientation\": true or "
-                                         "repair the mesh",
-                                         t, name, volume)};
+                return Error{
+                    Error::Code::BadMesh,
+                    body_place(scene_, index) + "/mesh",
+                    fmt::format(
+                        "tetrahedron {} of body \"{}\" has volume {:g} m^3 after the "
+                        "transform, expected > 0; set \"fix_orientation\": true or "
+                        "repair the mesh",
+                        t,
+                        name,
+                        volume)};
             model_.tets.push_back(tet);
             model_.dm_inv.push_back(inverse(dm));
             model_.volume.push_back(volume);
@@ -139,7 +168,8 @@ class Builder {
             model_.lambda.push_back(lame.lambda);
             elastic_model_.push_back(static_cast<int>(material.model));
             for (const int v : tet.v)
-                model_.mass[static_cast<std::size_t>(v)] += 0.25 * material.density * volume;
+                model_.mass[static_cast<std::size_t>(v)] +=
+                    0.25 * material.density * volume;
         }
         return Done{};
     }
@@ -153,7 +183,9 @@ class Builder {
                 ++unused;
             }
         if (unused > 0)
-            warn(name, fmt::format("{} vertices belong to no tetrahedron and are ignored", unused));
+            warn(name,
+                 fmt::format("{} vertices belong to no tetrahedron and are ignored",
+                             unused));
     }
 
     void add_surface(const Mesh& mesh, int first) {
@@ -161,7 +193,8 @@ class Builder {
             mesh.tets.empty() ? mesh.triangles : boundary_triangles(mesh.tets);
         std::vector<Int2> edges = unique_edges(triangles);
         const std::size_t num_triangle_edges = edges.size();
-        if (mesh.tets.empty()) edges.insert(edges.end(), mesh.segments.begin(), mesh.segments.end());
+        if (mesh.tets.empty())
+            edges.insert(edges.end(), mesh.segments.begin(), mesh.segments.end());
         std::vector<std::uint8_t> used(mesh.x.size(), 0);
         for (const Int3& t : triangles) {
             model_.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -171,35 +204,45 @@ class Builder {
         for (std::size_t e = 0; e < edges.size(); ++e) {
             const Int2 edge{edges[e][0] + first, edges[e][1] + first};
             const Vec3d d = model_.x0[static_cast<std::size_t>(edge[1])]
-                            - model_.x0[static_cast<std::size_t>(edge[0])];
+                          - model_.x0[static_cast<std::size_t>(edge[0])];
             model_.edges.push_back(edge);
             model_.edge_rest_sq.push_back(norm_sq(d));
             if (e >= num_triangle_edges) model_.segments.push_back(edge);
             used[static_cast<std::size_t>(edges[e][0])] = 1;
             used[static_cast<std::size_t>(edges[e][1])] = 1;
         }
-        const bool points_only = mesh.tets.empty() && triangles.empty() && mesh.segments.empty();
+        const bool points_only =
+            mesh.tets.empty() && triangles.empty() && mesh.segments.empty();
         for (std::size_t v = 0; v < used.size(); ++v)
-            if (used[v] != 0 || points_only) model_.surface_vertices.push_back(first + static_cast<int>(v));
+            if (used[v] != 0 || points_only)
+                model_.surface_vertices.push_back(first + static_cast<int>(v));
     }
 
     void add_velocity(const Body& body, int first, int count) {
-        const Vec3d spin = (std::numbers::pi / 180.0) * to_vec3(body.angular_velocity_deg);
+        const Vec3d spin =
+            (std::numbers::pi / 180.0) * to_vec3(body.angular_velocity_deg);
         const Vec3d center = bounding_box_center(model_.x0, first, count);
         for (int v = first; v < first + count; ++v) {
             const bool moves = model_.obstacle[static_cast<std::size_t>(v)] == 0;
             const Vec3d arm = model_.x0[static_cast<std::size_t>(v)] - center;
-            model_.v0.push_back(moves ? to_vec3(body.velocity) + cross(spin, arm) : Vec3d{0, 0, 0});
+            model_.v0.push_back(moves ? to_vec3(body.velocity) + cross(spin, arm)
+                                      : Vec3d{0, 0, 0});
         }
     }
 
-    Status add_conditions(std::size_t index, const Mesh& mesh, const std::vector<Vec3d>& file_x,
-                          int first, const std::string& name) {
+    Status add_conditions(std::size_t index,
+                          const Mesh& mesh,
+                          const std::vector<Vec3d>& file_x,
+                          int first,
+                          const std::string& name) {
         const Body& body = scene_.bodies[index];
         for (std::size_t c = 0; c < body.boundary.size(); ++c) {
-            const std::string place = fmt::format("{}/boundary/{}", body_place(scene_, index), c);
+            const std::string place =
+                fmt::format("{}/boundary/{}", body_place(scene_, index), c);
             Result<ModelCondition> made = make_condition(
-                body.boundary[c], {.mesh = mesh, .file_x = file_x, .x = model_.x0, .first = first}, place,
+                body.boundary[c],
+                {.mesh = mesh, .file_x = file_x, .x = model_.x0, .first = first},
+                place,
                 scene_.base_folder);
             if (!made) return made.error();
             made.value().body = model_.num_bodies() - 1;
@@ -211,15 +254,19 @@ class Builder {
         return Done{};
     }
 
-    /// Orders tetrahedra by elastic model, stably, so that a SIMD pack holds one model only.
+    /// Orders tetrahedra by elastic model, stably, so that a SIMD pack holds one model
+    /// only.
     void sort_tets() {
         std::vector<int>& order = source_;
         order.resize(model_.tets.size());
         for (std::size_t t = 0; t < order.size(); ++t)
             order[t] = static_cast<int>(t);
-        const auto model_of = [&](int t) { return elastic_model_[static_cast<std::size_t>(t)]; };
-        std::stable_sort(order.begin(), order.end(),
-                         [&](int a, int b) { return model_of(a) < model_of(b); });
+        const auto model_of = [&](int t) {
+            return elastic_model_[static_cast<std::size_t>(t)];
+        };
+        std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+            return model_of(a) < model_of(b);
+        });
         const auto permute = [&](auto& items) {
             auto sorted = items;
             for (std::size_t k = 0; k < order.size(); ++k)
@@ -233,14 +280,16 @@ class Builder {
         permute(model_.lambda);
         model_.model_begin.fill(static_cast<int>(order.size()));
         for (int m = 0; m < kNumElasticModels; ++m)
-            model_.model_begin[static_cast<std::size_t>(m)] = static_cast<int>(
-                std::count_if(order.begin(), order.end(), [&](int t) { return model_of(t) < m; }));
+            model_.model_begin[static_cast<std::size_t>(m)] =
+                static_cast<int>(std::count_if(
+                    order.begin(), order.end(), [&](int t) { return model_of(t) < m; }));
     }
 
     void add_planes() {
         for (const HalfSpace& half_space : scene_.half_spaces) {
             const Vec3d normal = normalized(to_vec3(half_space.normal));
-            model_.planes.push_back({half_space.name, normal, dot(normal, to_vec3(half_space.point))});
+            model_.planes.push_back(
+                {half_space.name, normal, dot(normal, to_vec3(half_space.point))});
         }
     }
 
@@ -255,7 +304,8 @@ class Builder {
         for (std::size_t a = 0; a < n; ++a) {
             if (!scene_.contact.self_contact) model_.pair_enabled[a * n + a] = 0;
             for (std::size_t b = 0; b < n; ++b)
-                model_.pair_friction[a * n + b] = std::max(friction_of(a), friction_of(b));
+                model_.pair_friction[a * n + b] =
+                    std::max(friction_of(a), friction_of(b));
             for (std::size_t p = 0; p < num_planes; ++p)
                 model_.plane_friction[p * n + a] = scene_.half_spaces[p].friction;
         }
@@ -271,22 +321,31 @@ class Builder {
 
     [[nodiscard]] bool names(const std::string& pattern, std::size_t body) const {
         return pattern == "*" || pattern == model_.body_names[body]
-               || pattern == scene_.bodies[source_body_[body]].name;
+            || pattern == scene_.bodies[source_body_[body]].name;
     }
 
-    void apply_rule(const std::string& first, const std::string& second, const ContactPairRule& rule) {
+    void apply_rule(const std::string& first,
+                    const std::string& second,
+                    const ContactPairRule& rule) {
         const std::size_t n = model_.body_names.size();
         for (std::size_t a = 0; a < n; ++a) {
             if (!names(first, a)) continue;
             for (std::size_t b = 0; b < n; ++b)
-                if (names(second, b)) set_rule(rule, model_.pair_friction[a * n + b], model_.pair_enabled[a * n + b]);
+                if (names(second, b))
+                    set_rule(rule,
+                             model_.pair_friction[a * n + b],
+                             model_.pair_enabled[a * n + b]);
             for (std::size_t p = 0; p < model_.planes.size(); ++p)
                 if (second == "*" || second == model_.planes[p].name)
-                    set_rule(rule, model_.plane_friction[p * n + a], model_.plane_enabled[p * n + a]);
+                    set_rule(rule,
+                             model_.plane_friction[p * n + a],
+                             model_.plane_enabled[p * n + a]);
         }
     }
 
-    static void set_rule(const ContactPairRule& rule, double& friction, std::uint8_t& enabled) {
+    static void set_rule(const ContactPairRule& rule,
+                         double& friction,
+                         std::uint8_t& enabled) {
         if (rule.friction) friction = *rule.friction;
         if (rule.enabled) enabled = *rule.enabled ? 1 : 0;
     }
@@ -305,11 +364,14 @@ class Builder {
             ++with_mass;
         }
         model_.mean_mass = with_mass > 0 ? model_.total_mass / with_mass : 0.0;
-        model_.diagonal = scene_.length_scale > 0.0 ? scene_.length_scale
-                                                    : (with_mass > 0 ? norm(hi - lo) : 1.0);
+        model_.diagonal = scene_.length_scale > 0.0
+                            ? scene_.length_scale
+                            : (with_mass > 0 ? norm(hi - lo) : 1.0);
         const ContactSettings& contact = scene_.contact;
-        model_.dhat = contact.dhat_absolute ? contact.dhat : contact.dhat * model_.diagonal;
-        model_.epsv = contact.epsv_absolute ? contact.epsv : contact.epsv * model_.diagonal;
+        model_.dhat =
+            contact.dhat_absolute ? contact.dhat : contact.dhat * model_.diagonal;
+        model_.epsv =
+            contact.epsv_absolute ? contact.epsv : contact.epsv * model_.diagonal;
     }
 
     void warn(const std::string& where, const std::string& message) {

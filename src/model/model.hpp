@@ -21,36 +21,43 @@ inline constexpr int kNumElasticModels = 3;
 struct ModelCondition {
     BoundaryCondition what;
     int body = 0;
-    std::string where;           ///< "body 'ball', condition 2", for messages
-    std::vector<int> vertices;   ///< global, ascending
+    std::string where;               ///< "body 'ball', condition 2", for messages
+    std::vector<int> vertices;       ///< global, ascending
     std::vector<int> body_vertices;  ///< all vertices of the body (for `until`)
-    Vec3d start_center{};        ///< bounding-box centre of the selection in the initial placement
-    std::vector<std::vector<Vec3d>> sequence;  ///< positions per step, in the order of `vertices`
+    Vec3d start_center{};  ///< bounding-box centre of the selection in the initial
+                           ///< placement
+    std::vector<std::vector<Vec3d>>
+        sequence;  ///< positions per step, in the order of `vertices`
 };
 
-/// All arrays are per vertex, tetrahedron, edge ... of all bodies together, bodies one after the
-/// other, each in the order of its mesh file (tetrahedra excepted: see tet_source).
+/// All arrays are per vertex, tetrahedron, edge ... of all bodies together, bodies one
+/// after the other, each in the order of its mesh file (tetrahedra excepted: see
+/// tet_source).
 struct Model {
     int num_vertices = 0;
     std::vector<std::string> body_names;
-    std::vector<int> body;             ///< per vertex
-    std::vector<Vec3d> x0;             ///< initial positions, m; also the rest shape
-    std::vector<Vec3d> v0;             ///< initial velocities, m/s
-    std::vector<double> mass;          ///< lumped, kg; 0 for obstacles
+    std::vector<int> body;               ///< per vertex
+    std::vector<Vec3d> x0;               ///< initial positions, m; also the rest shape
+    std::vector<Vec3d> v0;               ///< initial velocities, m/s
+    std::vector<double> mass;            ///< lumped, kg; 0 for obstacles
     std::vector<std::uint8_t> obstacle;  ///< per vertex: 1 = not part of an elastic body
 
-    std::vector<Int4> tets;            ///< ordered by elastic model
-    std::vector<Mat3d> dm_inv;         ///< inverse rest edge matrix, 1/m
-    std::vector<double> volume;        ///< rest volume, m^3
-    std::vector<double> mu, lambda;    ///< Lame constants in the convention of the tet's model, Pa
-    std::array<int, kNumElasticModels + 1> model_begin{};  ///< range of tets per elastic model
-    std::vector<int> tet_source;       ///< tets[k] is tetrahedron tet_source[k] in mesh-file order
+    std::vector<Int4> tets;      ///< ordered by elastic model
+    std::vector<Mat3d> dm_inv;   ///< inverse rest edge matrix, 1/m
+    std::vector<double> volume;  ///< rest volume, m^3
+    std::vector<double> mu,
+        lambda;  ///< Lame constants in the convention of the tet's model, Pa
+    std::array<int, kNumElasticModels + 1>
+        model_begin{};  ///< range of tets per elastic model
+    std::vector<int>
+        tet_source;  ///< tets[k] is tetrahedron tet_source[k] in mesh-file order
 
-    std::vector<int> surface_vertices;   ///< of contact: surfaces, segments and points, ascending
+    std::vector<int>
+        surface_vertices;  ///< of contact: surfaces, segments and points, ascending
     std::vector<Int2> edges;
-    std::vector<double> edge_rest_sq;    ///< m^2
+    std::vector<double> edge_rest_sq;  ///< m^2
     std::vector<Int3> triangles;
-    std::vector<Int2> segments;          ///< those edges that belong to no triangle
+    std::vector<Int2> segments;  ///< those edges that belong to no triangle
 
     struct Plane {
         std::string name;
@@ -65,9 +72,9 @@ struct Model {
 
     std::vector<ModelCondition> conditions;
 
-    double diagonal = 0.0;  ///< length scale of relative settings, m
-    double dhat = 0.0;      ///< m
-    double epsv = 0.0;      ///< m/s
+    double diagonal = 0.0;   ///< length scale of relative settings, m
+    double dhat = 0.0;       ///< m
+    double epsv = 0.0;       ///< m/s
     double mean_mass = 0.0;  ///< over vertices with mass, kg
     double total_mass = 0.0;
 
@@ -79,6 +86,7 @@ struct Model {
 
 /// Loads and checks all meshes, places the bodies, resolves relative settings.
 /// Errors name the body; `warnings` receives what was odd but harmless.
-Result<Model> build_model(const Scene& scene, std::vector<SceneWarning>* warnings = nullptr);
+Result<Model> build_model(const Scene& scene,
+                          std::vector<SceneWarning>* warnings = nullptr);
 
 }  // namespace noli

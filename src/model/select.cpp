@@ -4,9 +4,8 @@
 #include "mesh/source.hpp"
 #include "mesh/topology.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <limits>
 
 namespace noli {
@@ -62,24 +61,32 @@ std::vector<int> select_box(const Selection& selection, const PlacedBody& body) 
     std::vector<int> found;
     for (std::size_t v = 0; v < body.file_x.size(); ++v) {
         const Vec3d& p = selection.frame == Selection::Frame::World
-                             ? body.x[static_cast<std::size_t>(body.first) + v]
-                             : body.file_x[v];
-        if (allowed[v] != 0 && inside(box, p)) found.push_back(body.first + static_cast<int>(v));
+                           ? body.x[static_cast<std::size_t>(body.first) + v]
+                           : body.file_x[v];
+        if (allowed[v] != 0 && inside(box, p))
+            found.push_back(body.first + static_cast<int>(v));
     }
     return found;
 }
 
-Status load_sequence(ModelCondition& condition, const PlacedBody& body, const std::string& base_folder) {
+Status load_sequence(ModelCondition& condition,
+                     const PlacedBody& body,
+                     const std::string& base_folder) {
     for (const std::string& file : condition.what.sequence) {
         Result<Mesh> frame = load_body_mesh(MeshSource{.file = file}, base_folder);
         if (!frame) return frame.error();
         if (frame.value().x.size() != body.file_x.size())
-            return Error{Error::Code::BadMesh, condition.where,
-                         fmt::format("\"{}\" has {} vertices, expected {} as in the body's mesh", file,
-                                     frame.value().x.size(), body.file_x.size())};
+            return Error{
+                Error::Code::BadMesh,
+                condition.where,
+                fmt::format("\"{}\" has {} vertices, expected {} as in the body's mesh",
+                            file,
+                            frame.value().x.size(),
+                            body.file_x.size())};
         std::vector<Vec3d>& positions = condition.sequence.emplace_back();
         for (const int v : condition.vertices)
-            positions.push_back(frame.value().x[static_cast<std::size_t>(v - body.first)]);
+            positions.push_back(
+                frame.value().x[static_cast<std::size_t>(v - body.first)]);
     }
     return Done{};
 }
@@ -102,22 +109,28 @@ Result<ModelCondition> make_condition(const BoundaryCondition& what,
 
     const Selection& selection = what.selection;
     if (selection.kind == Selection::Kind::All) made.vertices = made.body_vertices;
-    if (selection.kind == Selection::Kind::Box) made.vertices = select_box(selection, body);
+    if (selection.kind == Selection::Kind::Box)
+        made.vertices = select_box(selection, body);
     if (selection.kind == Selection::Kind::Vertices)
         for (const int v : selection.vertices) {
             if (v < 0 || v >= count)
-                return Error{Error::Code::InvalidScene, where + "/select/vertices",
-                             fmt::format("vertex {} does not exist, expected 0..{}", v, count - 1)};
+                return Error{
+                    Error::Code::InvalidScene,
+                    where + "/select/vertices",
+                    fmt::format(
+                        "vertex {} does not exist, expected 0..{}", v, count - 1)};
             made.vertices.push_back(body.first + v);
         }
     std::sort(made.vertices.begin(), made.vertices.end());
-    made.vertices.erase(std::unique(made.vertices.begin(), made.vertices.end()), made.vertices.end());
+    made.vertices.erase(std::unique(made.vertices.begin(), made.vertices.end()),
+                        made.vertices.end());
 
     if (!made.vertices.empty()) {
         std::vector<Vec3d> selected;
         for (const int v : made.vertices)
             selected.push_back(body.x[static_cast<std::size_t>(v)]);
-        made.start_center = bounding_box_center(selected, 0, static_cast<int>(selected.size()));
+        made.start_center =
+            bounding_box_center(selected, 0, static_cast<int>(selected.size()));
     }
     Status loaded = load_sequence(made, body, base_folder);
     if (!loaded) return loaded.error();

@@ -11,8 +11,11 @@ namespace noli {
 
 namespace detail {
 
-/// Corners (4 tet + slot) of each vertex, ascending: the gather lists of per-corner gradients.
-inline void corner_lists(const Model& model, std::vector<int>& begin, std::vector<int>& corners) {
+/// Corners (4 tet + slot) of each vertex, ascending: the gather lists of per-corner
+/// gradients.
+inline void corner_lists(const Model& model,
+                         std::vector<int>& begin,
+                         std::vector<int>& corners) {
     begin.assign(static_cast<std::size_t>(model.num_vertices) + 1, 0);
     for (const Int4& tet : model.tets)
         for (const int v : tet.v)

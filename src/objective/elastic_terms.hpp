@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Loops over tetrahedra: energy, gradient and Hessian blocks of elasticity, the largest step that
-/// inverts nothing, and stresses for output. Formulas: energy/elastic.hpp, energy/tet.hpp.
+/// Loops over tetrahedra: energy, gradient and Hessian blocks of elasticity, the largest
+/// step that inverts nothing, and stresses for output. Formulas: energy/elastic.hpp,
+/// energy/tet.hpp.
 
 #include "energy/tet.hpp"
 #include "exec/lanes.hpp"
@@ -20,18 +21,26 @@ struct TetViews {
 
 template <class Exec>
 TetViews tet_views(const DeviceModel<Exec>& model) {
-    return {model.tets.view(), model.dm_inv.view(), model.volume.view(), model.mu.view(), model.lambda.view()};
+    return {model.tets.view(),
+            model.dm_inv.view(),
+            model.volume.view(),
+            model.mu.view(),
+            model.lambda.view()};
 }
 
 namespace detail {
 
 template <class T>
-NOLI_HD inline TetShape<T> load_tet(const TetViews& in, View<const Vec3d> x, int first, double scale) {
+NOLI_HD inline TetShape<T> load_tet(const TetViews& in,
+                                    View<const Vec3d> x,
+                                    int first,
+                                    double scale) {
     TetShape<T> shape;
     for (int c = 0; c < 4; ++c)
         shape.x[c] = load_vec3_lanes<T>([&](int j) { return x[in.tets[first + j][c]]; });
     for (int k = 0; k < 9; ++k)
-        shape.dm_inv.a[k] = load_lanes<T>([&](int j) { return in.dm_inv[first + j].a[k]; });
+        shape.dm_inv.a[k] =
+            load_lanes<T>([&](int j) { return in.dm_inv[first + j].a[k]; });
     shape.weight = load_lanes<T>([&](int j) { return scale * in.volume[first + j]; });
     return shape;
 }
@@ -53,17 +62,21 @@ struct TetEnergyKernel {
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const T energy = tet_energy<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
+        const T energy =
+            tet_energy<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
         for (int j = 0; j < kLaneWidth<T>; ++j)
             out[first + j] = lane_of(energy, j);
     }
 };
 
 template <class T>
-NOLI_HD inline void store_corner_gradients(const Vec3<T> (&g)[4], int first, View<Vec3d> out) {
+NOLI_HD inline void store_corner_gradients(const Vec3<T> (&g)[4],
+                                           int first,
+                                           View<Vec3d> out) {
     for (int j = 0; j < kLaneWidth<T>; ++j)
         for (int c = 0; c < 4; ++c)
-            out[4 * (first + j) + c] = {lane_of(g[c].x, j), lane_of(g[c].y, j), lane_of(g[c].z, j)};
+            out[4 * (first + j) + c] = {
+                lane_of(g[c].x, j), lane_of(g[c].y, j), lane_of(g[c].z, j)};
 }
 
 template <ElasticModel M>
@@ -77,7 +90,8 @@ struct TetGradientKernel {
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const auto g = tet_gradient<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
+        const auto g =
+            tet_gradient<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
         store_corner_gradients<T>(g.g, first, corners);
     }
 };
@@ -94,7 +108,8 @@ struct TetHessianKernel {
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const auto all = tet_derivatives<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
+        const auto all =
+            tet_derivatives<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
         store_corner_gradients<T>(all.gradient.g, first, corners);
         for (int j = 0; j < kLaneWidth<T>; ++j) {
             double* to = blocks.data + 90 * static_cast<long>(first + j);
@@ -107,18 +122,28 @@ struct TetHessianKernel {
 
 /// Runs Kernel<M> over the tets of each elastic model.
 template <template <ElasticModel> class Kernel, class Exec, class... Rest>
-void for_each_model(Exec& exec, const char* name, const DeviceModel<Exec>& model, View<const Vec3d> x, double scale, Rest... rest) {
+void for_each_model(Exec& exec,
+                    const char* name,
+                    const DeviceModel<Exec>& model,
+                    View<const Vec3d> x,
+                    double scale,
+                    Rest... rest) {
     const auto& begin = model.model_begin;
     const TetViews in = tet_views(model);
     if (begin[1] > begin[0])
-        exec.for_lanes(name, begin[1] - begin[0],
-                       Kernel<ElasticModel::StableNeoHookean>{in, x, scale, begin[0], rest...});
+        exec.for_lanes(
+            name,
+            begin[1] - begin[0],
+            Kernel<ElasticModel::StableNeoHookean>{in, x, scale, begin[0], rest...});
     if (begin[2] > begin[1])
-        exec.for_lanes(name, begin[2] - begin[1],
+        exec.for_lanes(name,
+                       begin[2] - begin[1],
                        Kernel<ElasticModel::NeoHookean>{in, x, scale, begin[1], rest...});
     if (begin[3] > begin[2])
-        exec.for_lanes(name, begin[3] - begin[2],
-                       Kernel<ElasticModel::FixedCorotated>{in, x, scale, begin[2], rest...});
+        exec.for_lanes(
+            name,
+            begin[3] - begin[2],
+            Kernel<ElasticModel::FixedCorotated>{in, x, scale, begin[2], rest...});
 }
 
 }  // namespace detail
@@ -131,9 +156,12 @@ double elastic_energy_sum(Exec& exec,
                           double scale,
                           typename Exec::template Buffer<double>& per_tet) {
     per_tet.resize(model.num_tets);
-    detail::for_each_model<detail::TetEnergyKernel>(exec, "objective/tet_energy", model, x, scale, per_tet.view());
+    detail::for_each_model<detail::TetEnergyKernel>(
+        exec, "objective/tet_energy", model, x, scale, per_tet.view());
     const View<const double> energies = per_tet.view();
-    return exec.sum("objective/tet_energy_sum", model.num_tets, [=] NOLI_HD(int t) { return energies[t]; });
+    return exec.sum("objective/tet_energy_sum", model.num_tets, [=] NOLI_HD(int t) {
+        return energies[t];
+    });
 }
 
 /// Gradient of scale V Psi(F) at the 4 corners of each tet.
@@ -144,7 +172,8 @@ void elastic_gradients(Exec& exec,
                        double scale,
                        typename Exec::template Buffer<Vec3d>& corners) {
     corners.resize(4 * model.num_tets);
-    detail::for_each_model<detail::TetGradientKernel>(exec, "objective/tet_gradient", model, x, scale, corners.view());
+    detail::for_each_model<detail::TetGradientKernel>(
+        exec, "objective/tet_gradient", model, x, scale, corners.view());
 }
 
 /// Gradient, and the projected Hessian as 10 upper 3x3 blocks per tet.
@@ -157,13 +186,16 @@ void elastic_derivatives(Exec& exec,
                          typename Exec::template Buffer<double>& blocks) {
     corners.resize(4 * model.num_tets);
     blocks.resize(90 * model.num_tets);
-    detail::for_each_model<detail::TetHessianKernel>(exec, "objective/tet_hessian", model, x, scale,
-                                                     corners.view(), blocks.view());
+    detail::for_each_model<detail::TetHessianKernel>(
+        exec, "objective/tet_hessian", model, x, scale, corners.view(), blocks.view());
 }
 
 /// out[v] += sum of the corner gradients of vertex v.
 template <class Exec>
-void gather_corners(Exec& exec, const DeviceModel<Exec>& model, View<const Vec3d> corner_gradients, View<Vec3d> out) {
+void gather_corners(Exec& exec,
+                    const DeviceModel<Exec>& model,
+                    View<const Vec3d> corner_gradients,
+                    View<Vec3d> out) {
     const View<const int> begin = model.corner_begin.view();
     const View<const int> corners = model.corners.view();
     exec.for_each("objective/gather_corners", model.num_vertices, [=] NOLI_HD(int v) {
@@ -174,7 +206,8 @@ void gather_corners(Exec& exec, const DeviceModel<Exec>& model, View<const Vec3d
     });
 }
 
-/// Largest t in (0, 1] for which every tet keeps `keep` of its volume along x + t p, and that tet.
+/// Largest t in (0, 1] for which every tet keeps `keep` of its volume along x + t p, and
+/// that tet.
 struct InversionBound {
     double alpha = 1.0;
     int tet = -1;
@@ -201,12 +234,16 @@ InversionBound inversion_step_bound(Exec& exec,
         bound[t] = inversion_bound(at, move, keep);
     });
     InversionBound out;
-    out.alpha = std::fmin(1.0, exec.min("objective/inversion_min", num_tets, [=] NOLI_HD(int t) { return bound[t]; }));
+    out.alpha =
+        std::fmin(1.0, exec.min("objective/inversion_min", num_tets, [=] NOLI_HD(int t) {
+            return bound[t];
+        }));
     if (out.alpha >= 1.0) return out;
     const double alpha = out.alpha;
-    out.tet = static_cast<int>(exec.min("objective/inversion_argmin", num_tets, [=] NOLI_HD(int t) {
-        return bound[t] <= alpha ? static_cast<double>(t) : HUGE_VAL;
-    }));
+    out.tet = static_cast<int>(
+        exec.min("objective/inversion_argmin", num_tets, [=] NOLI_HD(int t) {
+            return bound[t] <= alpha ? static_cast<double>(t) : HUGE_VAL;
+        }));
     return out;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Lagged friction: bases and normal forces frozen from one state, energy and low-rank terms at
-/// another. All pair types share one stencil of four points; points that a pair does not have carry
-/// zero weight. Formulas: energy/friction.hpp.
+/// Lagged friction: bases and normal forces frozen from one state, energy and low-rank
+/// terms at another. All pair types share one stencil of four points; points that a pair
+/// does not have carry zero weight. Formulas: energy/friction.hpp.
 
 #include "energy/friction.hpp"
 #include "objective/device_model.hpp"
@@ -20,8 +20,11 @@ struct FrictionTerm {
 namespace detail {
 
 template <int S>
-NOLI_HD inline FrictionTerm widen(const int (&v)[S], const FrictionBasis<S>& from, double mu) {
-    FrictionTerm to{{{-1, -1, -1, -1}}, {from.t0, from.t1, {0, 0, 0, 0}, from.normal_force}, mu};
+NOLI_HD inline FrictionTerm widen(const int (&v)[S],
+                                  const FrictionBasis<S>& from,
+                                  double mu) {
+    FrictionTerm to{
+        {{-1, -1, -1, -1}}, {from.t0, from.t1, {0, 0, 0, 0}, from.normal_force}, mu};
     for (int s = 0; s < S; ++s) {
         to.v[s] = v[s];
         to.basis.w[s] = from.w[s];
@@ -30,7 +33,9 @@ NOLI_HD inline FrictionTerm widen(const int (&v)[S], const FrictionBasis<S>& fro
 }
 
 /// Displacements since the step's start on the four points of a term.
-NOLI_HD inline Stencil<4> moved(const FrictionTerm& term, View<const Vec3d> x, View<const Vec3d> x_start) {
+NOLI_HD inline Stencil<4> moved(const FrictionTerm& term,
+                                View<const Vec3d> x,
+                                View<const Vec3d> x_start) {
     Stencil<4> out;
     for (int s = 0; s < 4; ++s) {
         const int v = term.v[s];
@@ -39,7 +44,8 @@ NOLI_HD inline Stencil<4> moved(const FrictionTerm& term, View<const Vec3d> x, V
     return out;
 }
 
-/// Looks up friction coefficients by the bodies of two vertices, or of a vertex and a plane.
+/// Looks up friction coefficients by the bodies of two vertices, or of a vertex and a
+/// plane.
 struct FrictionTable {
     View<const int> body;
     View<const double> pair;
@@ -49,7 +55,9 @@ struct FrictionTable {
     [[nodiscard]] NOLI_HD double between(int a, int b) const {
         return pair[body[a] * num_bodies + body[b]];
     }
-    [[nodiscard]] NOLI_HD double on_plane(int p, int v) const { return plane[p * num_bodies + body[v]]; }
+    [[nodiscard]] NOLI_HD double on_plane(int p, int v) const {
+        return plane[p * num_bodies + body[v]];
+    }
 };
 
 template <int S, class Exec>
@@ -63,7 +71,8 @@ void lag_pairs(Exec& exec,
                int first) {
     exec.for_each("objective/lag_pairs", pairs.size, [=] NOLI_HD(int i) {
         const auto& v = pairs[i].v;
-        const FrictionBasis<S> basis = friction_basis(kind, load_stencil<S>(x, pairs[i]), params);
+        const FrictionBasis<S> basis =
+            friction_basis(kind, load_stencil<S>(x, pairs[i]), params);
         out[first + i] = widen(v, basis, table.between(v[0], v[S - 1]));
     });
 }
@@ -95,8 +104,8 @@ void lag_planes(Exec& exec,
                 int first) {
     exec.for_each("objective/lag_planes", pairs.size, [=] NOLI_HD(int i) {
         const int v[1] = {pairs[i][0]};
-        const FrictionBasis<1> basis =
-            half_space_friction_basis(x[v[0]], barrier_plane(planes[pairs[i][1]]), params);
+        const FrictionBasis<1> basis = half_space_friction_basis(
+            x[v[0]], barrier_plane(planes[pairs[i][1]]), params);
         out[first + i] = widen(v, basis, table.on_plane(pairs[i][1], v[0]));
     });
 }
@@ -112,18 +121,24 @@ void lag_friction(Exec& exec,
                   View<const Vec3d> x,
                   BarrierParams params,
                   typename Exec::template Buffer<FrictionTerm>& out) {
-    const detail::FrictionTable table{model.body.view(), model.pair_friction.view(),
-                                      model.plane_friction.view(), model.num_bodies};
+    const detail::FrictionTable table{model.body.view(),
+                                      model.pair_friction.view(),
+                                      model.plane_friction.view(),
+                                      model.num_bodies};
     out.resize(pairs.size());
     const View<FrictionTerm> to = out.view();
     int first = 0;
-    detail::lag_pairs<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, params, table, to, first);
+    detail::lag_pairs<2>(
+        exec, PairKind::PointPoint, pairs.pp.view(), x, params, table, to, first);
     first += pairs.pp.size();
-    detail::lag_pairs<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params, table, to, first);
+    detail::lag_pairs<3>(
+        exec, PairKind::PointEdge, pairs.pe.view(), x, params, table, to, first);
     first += pairs.pe.size();
-    detail::lag_pairs<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, params, table, to, first);
+    detail::lag_pairs<4>(
+        exec, PairKind::PointTriangle, pairs.pt.view(), x, params, table, to, first);
     first += pairs.pt.size();
-    detail::lag_pairs<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params, table, to, first);
+    detail::lag_pairs<4>(
+        exec, PairKind::EdgeEdge, pairs.ee.view(), x, params, table, to, first);
     first += pairs.ee.size();
     detail::lag_mollified(exec, pairs.mollified.view(), x, params, table, to, first);
     first += pairs.mollified.size();
@@ -154,7 +169,10 @@ void fill_friction_terms(Exec& exec,
     exec.for_each("objective/friction_terms", terms.size, [=] NOLI_HD(int i) {
         const FrictionTerm& term = terms[i];
         const Stencil<4> u = detail::moved(term, x, x_start);
-        detail::store_term(out, i, term.v.v, friction_gradient(term.basis, u, term.mu, eps),
+        detail::store_term(out,
+                           i,
+                           term.v.v,
+                           friction_gradient(term.basis, u, term.mu, eps),
                            friction_hessian(term.basis, u, term.mu, eps));
     });
 }

@@ -4,9 +4,9 @@
 ///
 ///     E(x) = inertia + h^2 (elastic + damping) + barrier + friction,
 ///
-/// its value, gradient and Hessian operator. This room adds terms up; formulas are in energy/.
-/// h^2 is dt^2 for implicit Euler, 4/9 dt^2 for BDF2, beta dt^2 for Newmark. The barrier is not
-/// scaled by h^2: kappa absorbs it. Source: MATH 7.
+/// its value, gradient and Hessian operator. This room adds terms up; formulas are in
+/// energy/. h^2 is dt^2 for implicit Euler, 4/9 dt^2 for BDF2, beta dt^2 for Newmark. The
+/// barrier is not scaled by h^2: kappa absorbs it. Source: MATH 7.
 
 #include "contact/pairs.hpp"
 #include "linear/block_matrix.hpp"
@@ -19,10 +19,10 @@ namespace noli {
 
 /// What stays the same during one step.
 struct StepScales {
-    double h_sq = 0.0;           ///< s^2
-    double mass_damping = 0.0;   ///< h^2 alpha / dt
+    double h_sq = 0.0;               ///< s^2
+    double mass_damping = 0.0;       ///< h^2 alpha / dt
     double stiffness_damping = 0.0;  ///< beta / dt: factor of the lagged elastic Hessian
-    double friction_eps = 0.0;   ///< epsv dt, m
+    double friction_eps = 0.0;       ///< epsv dt, m
 };
 
 /// Spring of a prescribed vertex that has to yield, in multiples of its inertia.
@@ -32,20 +32,23 @@ namespace detail {
 
 template <class Exec>
 double inertia_energy_sum(Exec& exec, InertiaViews in, View<const Vec3d> x) {
-    return exec.sum("objective/inertia_energy", x.size,
-                    [=] NOLI_HD(int v) { return inertia_energy(in, x[v], v); });
+    return exec.sum("objective/inertia_energy", x.size, [=] NOLI_HD(int v) {
+        return inertia_energy(in, x[v], v);
+    });
 }
 
 template <class Exec>
 void inertia_gradients(Exec& exec, InertiaViews in, View<const Vec3d> x, View<Vec3d> g) {
-    exec.for_each("objective/inertia_gradient", x.size,
-                  [=] NOLI_HD(int v) { g[v] = inertia_gradient(in, x[v], v); });
+    exec.for_each("objective/inertia_gradient", x.size, [=] NOLI_HD(int v) {
+        g[v] = inertia_gradient(in, x[v], v);
+    });
 }
 
 template <class Exec>
 void inertia_diagonals(Exec& exec, InertiaViews in, View<double> out) {
-    exec.for_each("objective/inertia_diagonal", out.size,
-                  [=] NOLI_HD(int v) { out[v] = inertia_diagonal(in, v); });
+    exec.for_each("objective/inertia_diagonal", out.size, [=] NOLI_HD(int v) {
+        out[v] = inertia_diagonal(in, v);
+    });
 }
 
 template <class Exec>
@@ -64,33 +67,40 @@ void hold_by_springs(Exec& exec,
 
 template <class Exec>
 void subtract(Exec& exec, View<const Vec3d> a, View<const Vec3d> b, View<Vec3d> out) {
-    exec.for_each("objective/subtract", out.size, [=] NOLI_HD(int v) { out[v] = a[v] - b[v]; });
+    exec.for_each(
+        "objective/subtract", out.size, [=] NOLI_HD(int v) { out[v] = a[v] - b[v]; });
 }
 
 template <class Exec>
 void add_scaled(Exec& exec, double s, View<const Vec3d> a, View<Vec3d> out) {
-    exec.for_each("objective/add_scaled", out.size, [=] NOLI_HD(int v) { out[v] += s * a[v]; });
+    exec.for_each(
+        "objective/add_scaled", out.size, [=] NOLI_HD(int v) { out[v] += s * a[v]; });
 }
 
 template <class Exec>
 void set_zero(Exec& exec, View<Vec3d> out) {
-    exec.for_each("objective/set_zero", out.size, [=] NOLI_HD(int v) { out[v] = {0.0, 0.0, 0.0}; });
+    exec.for_each("objective/set_zero", out.size, [=] NOLI_HD(int v) {
+        out[v] = {0.0, 0.0, 0.0};
+    });
 }
 
 template <class Exec>
 void set_zero(Exec& exec, View<double> out) {
-    exec.for_each("objective/set_zero_scalars", out.size, [=] NOLI_HD(int v) { out[v] = 0.0; });
+    exec.for_each(
+        "objective/set_zero_scalars", out.size, [=] NOLI_HD(int v) { out[v] = 0.0; });
 }
 
 template <class Exec>
 double dot_sum(Exec& exec, View<const Vec3d> a, View<const Vec3d> b) {
-    return exec.sum("objective/dot", a.size, [=] NOLI_HD(int v) { return dot(a[v], b[v]); });
+    return exec.sum(
+        "objective/dot", a.size, [=] NOLI_HD(int v) { return dot(a[v], b[v]); });
 }
 
 template <class Exec>
 void close_term_ranges(Exec& exec, View<int> first_mode, int num_modes) {
-    exec.for_each("objective/close_term_ranges", 1,
-                  [=] NOLI_HD(int) { first_mode[first_mode.size - 1] = num_modes; });
+    exec.for_each("objective/close_term_ranges", 1, [=] NOLI_HD(int) {
+        first_mode[first_mode.size - 1] = num_modes;
+    });
 }
 
 }  // namespace detail
@@ -131,61 +141,82 @@ class Objective {
         if (scales.stiffness_damping > 0.0) update_damping(exec);
     }
 
-    /// From now on in this step the vertices of `was_fixed` that are not in `fixed` are held by springs
-    /// to their targets instead of being eliminated: as inertia of kYieldWeight times their mass.
+    /// From now on in this step the vertices of `was_fixed` that are not in `fixed` are
+    /// held by springs to their targets instead of being eliminated: as inertia of
+    /// kYieldWeight times their mass.
     void yield(Exec& exec,
                View<const std::uint8_t> was_fixed,
                View<const std::uint8_t> fixed,
                View<const Vec3d> target) {
-        detail::hold_by_springs(exec, was_fixed, fixed, target, x_tilde_.view(), mass_.view());
+        detail::hold_by_springs(
+            exec, was_fixed, fixed, target, x_tilde_.view(), mass_.view());
         fixed_ = fixed;
     }
 
     /// Freezes friction at x for the given active pairs.
-    void lag_friction_at(Exec& exec, const PairSet<Exec>& pairs, View<const Vec3d> x, const ContactLaw& law) {
+    void lag_friction_at(Exec& exec,
+                         const PairSet<Exec>& pairs,
+                         View<const Vec3d> x,
+                         const ContactLaw& law) {
         lag_friction(exec, device_, pairs, planes_.view(), x, law.barrier, friction_);
     }
 
     /// E(x) with the active pairs of x, J times h^2-scale.
-    double energy(Exec& exec, View<const Vec3d> x, const PairSet<Exec>& pairs, const ContactLaw& law) {
+    double energy(Exec& exec,
+                  View<const Vec3d> x,
+                  const PairSet<Exec>& pairs,
+                  const ContactLaw& law) {
         double total = detail::inertia_energy_sum(exec, inertia(), x);
         total += elastic_energy_sum(exec, device_, x, scales_.h_sq, per_tet_);
         if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
-            total += 0.5 * damping_.quadratic_form(exec, View<const Vec3d>(scratch_.view()));
+            detail::subtract(
+                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
+            total +=
+                0.5 * damping_.quadratic_form(exec, View<const Vec3d>(scratch_.view()));
         }
-        total += friction_energy_sum(exec, friction_.view(), x, x_start_.view(), scales_.friction_eps);
+        total += friction_energy_sum(
+            exec, friction_.view(), x, x_start_.view(), scales_.friction_eps);
         return total + barrier_energy(exec, x, pairs, law.barrier);
     }
 
     /// Sum of kappa b over all active pairs, J.
-    double barrier_energy(Exec& exec, View<const Vec3d> x, const PairSet<Exec>& pairs, BarrierParams params) {
+    double barrier_energy(Exec& exec,
+                          View<const Vec3d> x,
+                          const PairSet<Exec>& pairs,
+                          BarrierParams params) {
         return pair_energy_sum<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, params)
-               + pair_energy_sum<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params)
-               + pair_energy_sum<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, params)
-               + pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params)
-               + mollified_energy_sum(exec, pairs.mollified.view(), x, params)
-               + plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params);
+             + pair_energy_sum<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params)
+             + pair_energy_sum<4>(
+                   exec, PairKind::PointTriangle, pairs.pt.view(), x, params)
+             + pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params)
+             + mollified_energy_sum(exec, pairs.mollified.view(), x, params)
+             + plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params);
     }
 
     /// Gradient and Hessian at x: fills gradient(), matrix() and terms().
-    void assemble(Exec& exec, View<const Vec3d> x, const PairSet<Exec>& pairs, const ContactLaw& law) {
+    void assemble(Exec& exec,
+                  View<const Vec3d> x,
+                  const PairSet<Exec>& pairs,
+                  const ContactLaw& law) {
         elastic_derivatives(exec, device_, x, scales_.h_sq, corners_, blocks_);
         detail::inertia_gradients(exec, inertia(), x, gradient_.view());
         gather_corners(exec, device_, corners_.view(), gradient_.view());
         detail::inertia_diagonals(exec, inertia(), diagonal_.view());
         matrix_.assemble(exec, blocks_.view(), diagonal_.view());
         if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
+            detail::subtract(
+                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
             damping_.multiply(exec, View<const Vec3d>(scratch_.view()), scratch2_.view());
-            detail::add_scaled(exec, 1.0, View<const Vec3d>(scratch2_.view()), gradient_.view());
+            detail::add_scaled(
+                exec, 1.0, View<const Vec3d>(scratch2_.view()), gradient_.view());
             matrix_.axpy(exec, 1.0, damping_);
         }
         fill_terms(exec, x, pairs, law, /*with_friction=*/true);
         terms_.gather_add(exec, term_gradients_.view(), gradient_.view());
     }
 
-    /// Gradients of everything but the barrier (`other`) and of the barrier with kappa = 1
+    /// Gradients of everything but the barrier (`other`) and of the barrier with kappa =
+    /// 1
     /// (`barrier`), for the stiffness balance. Source: MATH 8.2.
     void split_gradients(Exec& exec,
                          View<const Vec3d> x,
@@ -197,7 +228,8 @@ class Objective {
         detail::inertia_gradients(exec, inertia(), x, other);
         gather_corners(exec, device_, corners_.view(), other);
         if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
+            detail::subtract(
+                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
             damping_.multiply(exec, View<const Vec3d>(scratch_.view()), scratch2_.view());
             detail::add_scaled(exec, 1.0, View<const Vec3d>(scratch2_.view()), other);
         }
@@ -208,7 +240,10 @@ class Objective {
         terms_.gather_add(exec, term_gradients_.view(), barrier);
     }
 
-    InversionBound inversion_bound_along(Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double keep) {
+    InversionBound inversion_bound_along(Exec& exec,
+                                         View<const Vec3d> x,
+                                         View<const Vec3d> p,
+                                         double keep) {
         return inversion_step_bound(exec, device_, x, p, keep, per_tet_);
     }
 
@@ -220,13 +255,18 @@ class Objective {
     [[nodiscard]] int num_friction_terms() const { return friction_.size(); }
 
     /// Minus the barrier and friction gradients per vertex over h^2: contact forces, N.
-    void contact_forces(Exec& exec, View<const Vec3d> x, const PairSet<Exec>& pairs, const ContactLaw& law, View<Vec3d> out) {
+    void contact_forces(Exec& exec,
+                        View<const Vec3d> x,
+                        const PairSet<Exec>& pairs,
+                        const ContactLaw& law,
+                        View<Vec3d> out) {
         fill_terms(exec, x, pairs, law, /*with_friction=*/true);
         detail::set_zero(exec, out);
         if (scales_.h_sq <= 0.0) return;
         detail::set_zero(exec, scratch_.view());
         terms_.gather_add(exec, term_gradients_.view(), scratch_.view());
-        detail::add_scaled(exec, -1.0 / scales_.h_sq, View<const Vec3d>(scratch_.view()), out);
+        detail::add_scaled(
+            exec, -1.0 / scales_.h_sq, View<const Vec3d>(scratch_.view()), out);
     }
 
     /// Elastic energy at x, J (not scaled by h^2).
@@ -250,7 +290,8 @@ class Objective {
     }
 
     [[nodiscard]] InertiaViews inertia() const {
-        return {mass_.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
+        return {
+            mass_.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
     }
 
     /// The elastic Hessian at the step's start, scaled so that its quadratic form of the
@@ -259,24 +300,33 @@ class Objective {
         if (!has_damping_pattern_) damping_.set_pattern(exec, *pattern_);
         has_damping_pattern_ = true;
         const double scale = scales_.h_sq * scales_.stiffness_damping;
-        elastic_derivatives(exec, device_, View<const Vec3d>(x_start_.view()), scale, corners_, blocks_);
+        elastic_derivatives(
+            exec, device_, View<const Vec3d>(x_start_.view()), scale, corners_, blocks_);
         detail::set_zero(exec, diagonal_.view());
         damping_.assemble(exec, blocks_.view(), diagonal_.view());
     }
 
-    void fill_terms(Exec& exec, View<const Vec3d> x, const PairSet<Exec>& pairs, const ContactLaw& law, bool with_friction) {
+    void fill_terms(Exec& exec,
+                    View<const Vec3d> x,
+                    const PairSet<Exec>& pairs,
+                    const ContactLaw& law,
+                    bool with_friction) {
         const int num_friction = with_friction ? friction_.size() : 0;
         const int r2 = max_rank(PairKind::PointPoint, law.hessian);
         const int r3 = max_rank(PairKind::PointEdge, law.hessian);
         const int r4 = max_rank(PairKind::EdgeEdge, law.hessian);
         const int rm = max_rank(law.mollified);
         const int num_modes = r2 * pairs.pp.size() + r3 * pairs.pe.size()
-                              + r4 * (pairs.pt.size() + pairs.ee.size()) + rm * pairs.mollified.size()
-                              + pairs.planes.size() + 2 * num_friction;
+                            + r4 * (pairs.pt.size() + pairs.ee.size())
+                            + rm * pairs.mollified.size() + pairs.planes.size()
+                            + 2 * num_friction;
         const int num_terms = pairs.size() + num_friction;
         terms_.resize(num_terms, num_modes);
         term_gradients_.resize(4 * num_terms);
-        TermRange at{terms_.vertices.view(), terms_.first_mode.view(), terms_.modes.view(), term_gradients_.view()};
+        TermRange at{terms_.vertices.view(),
+                     terms_.first_mode.view(),
+                     terms_.modes.view(),
+                     term_gradients_.view()};
 
         const auto next = [&at](int count, int next_rank) {
             at.term += count;
@@ -297,7 +347,8 @@ class Objective {
         fill_plane_terms(exec, pairs.planes.view(), planes_.view(), x, law, at);
         next(pairs.planes.size(), 2);
         if (num_friction > 0)
-            fill_friction_terms(exec, friction_.view(), x, x_start_.view(), scales_.friction_eps, at);
+            fill_friction_terms(
+                exec, friction_.view(), x, x_start_.view(), scales_.friction_eps, at);
         detail::close_term_ranges(exec, terms_.first_mode.view(), num_modes);
         terms_.build_incidence(exec, x.size);
     }
@@ -311,7 +362,8 @@ class Objective {
     LowRankTerms<Exec> terms_;
     Buffer<FrictionTerm> friction_;
     Buffer<CollisionMesh::Plane> planes_;
-    Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_, term_gradients_;
+    Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_,
+        term_gradients_;
     Buffer<double> mass_, diagonal_, blocks_, per_tet_;
     View<const std::uint8_t> fixed_{};
 };

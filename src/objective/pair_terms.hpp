@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Loops over contact pairs: barrier energy, gradients and modes of each pair type, written as
-/// low-rank terms of the operator. One loop text for all types; formulas are in energy/.
+/// Loops over contact pairs: barrier energy, gradients and modes of each pair type,
+/// written as low-rank terms of the operator. One loop text for all types; formulas are
+/// in energy/.
 
 #include "contact/pairs.hpp"
 #include "energy/contact_pair.hpp"
@@ -20,8 +21,8 @@ struct ContactLaw {
 
 /// Where the terms of one pair type go: from `term` and `mode` on, `rank` modes each.
 struct TermRange {
-    View<Int4> vertices;    ///< per term, -1 = unused
-    View<int> first_mode;   ///< per term
+    View<Int4> vertices;   ///< per term, -1 = unused
+    View<int> first_mode;  ///< per term
     View<Mode> modes;
     View<Vec3d> gradients;  ///< 4 per term
     int term = 0;
@@ -47,7 +48,8 @@ struct PairIndex<4> {
 };
 
 template <int S>
-NOLI_HD inline Stencil<S> load_stencil(View<const Vec3d> x, const typename PairIndex<S>::Type& v) {
+NOLI_HD inline Stencil<S> load_stencil(View<const Vec3d> x,
+                                       const typename PairIndex<S>::Type& v) {
     Stencil<S> out;
     for (int i = 0; i < S; ++i)
         out.x[i] = x[v[i]];
@@ -114,7 +116,10 @@ void fill_pair_terms(Exec& exec,
                      TermRange out) {
     exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
         const Stencil<S> at = detail::load_stencil<S>(x, pairs[i]);
-        detail::store_term(out, i, pairs[i].v, pair_gradient(kind, at, law.barrier),
+        detail::store_term(out,
+                           i,
+                           pairs[i].v,
+                           pair_gradient(kind, at, law.barrier),
                            pair_hessian(law.hessian, kind, at, law.barrier));
     });
 }
@@ -125,8 +130,10 @@ double mollified_energy_sum(Exec& exec,
                             View<const Vec3d> x,
                             BarrierParams params) {
     return exec.sum("objective/mollified_energy", pairs.size, [=] NOLI_HD(int i) {
-        return mollified_energy(detail::mollified_case(pairs[i]), detail::load_stencil<4>(x, pairs[i].v),
-                                pairs[i].eps_cross, params);
+        return mollified_energy(detail::mollified_case(pairs[i]),
+                                detail::load_stencil<4>(x, pairs[i].v),
+                                pairs[i].eps_cross,
+                                params);
     });
 }
 
@@ -140,8 +147,12 @@ void fill_mollified_terms(Exec& exec,
         const MollifiedCase sub = detail::mollified_case(pairs[i]);
         const Stencil<4> at = detail::load_stencil<4>(x, pairs[i].v);
         const double eps_cross = pairs[i].eps_cross;
-        detail::store_term(out, i, pairs[i].v.v, mollified_gradient(sub, at, eps_cross, law.barrier),
-                           mollified_hessian(law.mollified, sub, at, eps_cross, law.barrier));
+        detail::store_term(
+            out,
+            i,
+            pairs[i].v.v,
+            mollified_gradient(sub, at, eps_cross, law.barrier),
+            mollified_hessian(law.mollified, sub, at, eps_cross, law.barrier));
     });
 }
 
@@ -152,7 +163,8 @@ double plane_energy_sum(Exec& exec,
                         View<const Vec3d> x,
                         BarrierParams params) {
     return exec.sum("objective/plane_energy", pairs.size, [=] NOLI_HD(int i) {
-        return half_space_energy(x[pairs[i][0]], detail::barrier_plane(planes[pairs[i][1]]), params);
+        return half_space_energy(
+            x[pairs[i][0]], detail::barrier_plane(planes[pairs[i][1]]), params);
     });
 }
 
@@ -167,7 +179,10 @@ void fill_plane_terms(Exec& exec,
         const BarrierPlane plane = detail::barrier_plane(planes[pairs[i][1]]);
         const Vec3d at = x[pairs[i][0]];
         const int v[1] = {pairs[i][0]};
-        detail::store_term(out, i, v, half_space_gradient(at, plane, law.barrier),
+        detail::store_term(out,
+                           i,
+                           v,
+                           half_space_gradient(at, plane, law.barrier),
                            half_space_hessian(at, plane, law.barrier));
     });
 }

@@ -10,22 +10,23 @@
 #include "sim/marked_mesh.hpp"
 #include "sim/verify.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
+#include <fmt/format.h>
 
 namespace noli {
 
 namespace {
 
-/// Seconds per step from tets and surface: the rates of docs/performance.md on one core, at five
-/// Newton iterations a step. An order of magnitude, said as such.
+/// Seconds per step from tets and surface: the rates of docs/performance.md on one core,
+/// at five Newton iterations a step. An order of magnitude, said as such.
 double estimate_step_seconds(const Model& model) {
     constexpr double kIterations = 5.0;
     constexpr double kPerTet = 2.5e-6;
     constexpr double kPerTriangle = 2.0e-6;
-    return kIterations * (kPerTet * model.num_tets() + kPerTriangle * static_cast<double>(model.triangles.size()));
+    return kIterations
+         * (kPerTet * model.num_tets()
+            + kPerTriangle * static_cast<double>(model.triangles.size()));
 }
 
 class Checker {
@@ -70,13 +71,19 @@ class Checker {
         report_.min_gap = verifier.min_gap(model_.x0);
         const VerifyReport& found = report_.intersections;
         if (found.num_inversions > 0)
-            add(Finding::Severity::Error, "tetrahedra",
-                fmt::format("{} are inverted, first {}", found.num_inversions, found.inverted_tets.front()));
+            add(Finding::Severity::Error,
+                "tetrahedra",
+                fmt::format("{} are inverted, first {}",
+                            found.num_inversions,
+                            found.inverted_tets.front()));
         if (found.num_intersections == 0 && report_.min_gap < model_.dhat)
-            add(Finding::Severity::Note, "gap",
-                fmt::format("the smallest gap is {:g} m, below dhat = {:g} m: bodies push each other from the "
+            add(Finding::Severity::Note,
+                "gap",
+                fmt::format("the smallest gap is {:g} m, below dhat = {:g} m: bodies "
+                            "push each other from the "
                             "first step",
-                            report_.min_gap, model_.dhat));
+                            report_.min_gap,
+                            model_.dhat));
     }
 
     void check_shapes() {
@@ -84,7 +91,9 @@ class Checker {
         int worst_tet = -1;
         for (int t = 0; t < model_.num_tets(); ++t) {
             const Int4& v = model_.tets[static_cast<std::size_t>(t)];
-            const auto at = [&](int k) { return model_.x0[static_cast<std::size_t>(v[k])]; };
+            const auto at = [&](int k) {
+                return model_.x0[static_cast<std::size_t>(v[k])];
+            };
             const double ratio = radius_ratio(at(0), at(1), at(2), at(3));
             if (ratio < worst) {
                 worst = ratio;
@@ -96,9 +105,13 @@ class Checker {
         const std::string text = fmt::format(
             "the worst tetrahedron is {} of \"{}\" (radius ratio {:.3g}; 1 is regular)",
             model_.tet_source[static_cast<std::size_t>(worst_tet)],
-            model_.body_names[static_cast<std::size_t>(model_.body[static_cast<std::size_t>(v[0])])], worst);
+            model_.body_names[static_cast<std::size_t>(
+                model_.body[static_cast<std::size_t>(v[0])])],
+            worst);
         if (worst < 0.02)
-            add(Finding::Severity::Warning, "shapes", text + "; slivers slow the solver, consider remeshing");
+            add(Finding::Severity::Warning,
+                "shapes",
+                text + "; slivers slow the solver, consider remeshing");
         else
             add(Finding::Severity::Note, "shapes", text);
     }
@@ -108,23 +121,33 @@ class Checker {
         for (const double sq : model_.edge_rest_sq)
             shortest = std::min(shortest, std::sqrt(sq));
         if (shortest < 2.0 * model_.dhat)
-            add(Finding::Severity::Warning, "contact/dhat",
-                fmt::format("dhat = {:g} m is more than half of the shortest surface edge ({:g} m): contact of a "
+            add(Finding::Severity::Warning,
+                "contact/dhat",
+                fmt::format("dhat = {:g} m is more than half of the shortest surface "
+                            "edge ({:g} m): contact of a "
                             "body with itself may act at rest; choose a smaller dhat",
-                            model_.dhat, shortest));
+                            model_.dhat,
+                            shortest));
         for (std::size_t k = 0; k < scene_.bodies.size(); ++k)
             if (scene_.bodies[k].material.poisson > 0.495)
-                add(Finding::Severity::Warning, fmt::format("/bodies/{}/material/poisson", k),
-                    "nearly incompressible: linear tetrahedra lock; 0.49 is usually stiff enough");
+                add(Finding::Severity::Warning,
+                    fmt::format("/bodies/{}/material/poisson", k),
+                    "nearly incompressible: linear tetrahedra lock; 0.49 is usually "
+                    "stiff enough");
     }
 
     void check_boundary() {
         if (model_.num_tets() == 0)
-            add(Finding::Severity::Warning, "/bodies", "no body is elastic: nothing but obstacles will move");
+            add(Finding::Severity::Warning,
+                "/bodies",
+                "no body is elastic: nothing but obstacles will move");
         if (scene_.half_spaces.empty() && model_.conditions.empty()
             && norm(Vec3d{scene_.gravity[0], scene_.gravity[1], scene_.gravity[2]}) > 0.0
-            && std::find(model_.obstacle.begin(), model_.obstacle.end(), 1) == model_.obstacle.end())
-            add(Finding::Severity::Note, "scene", "nothing stops the bodies: they fall for ever");
+            && std::find(model_.obstacle.begin(), model_.obstacle.end(), 1)
+                   == model_.obstacle.end())
+            add(Finding::Severity::Note,
+                "scene",
+                "nothing stops the bodies: they fall for ever");
     }
 
     const Scene& scene_;
@@ -140,7 +163,8 @@ Result<CheckReport> check_scene(const Scene& scene, const std::string& mark_fold
     if (!model) return model.error();
     CheckReport report = Checker(scene, model.value()).run(std::move(warnings));
     if (report.intersections.num_intersections > 0 && !mark_folder.empty()) {
-        const std::string path = (std::filesystem::path(mark_folder) / "intersections.ply").string();
+        const std::string path =
+            (std::filesystem::path(mark_folder) / "intersections.ply").string();
         Status written = write_marked_mesh(path, model.value(), report.intersections);
         if (!written) return written.error();
         report.marked_mesh = path;

@@ -27,7 +27,7 @@ class Engine {
     virtual void set_state(const StepState& state) = 0;
     virtual std::vector<Vec3d> contact_forces() = 0;  ///< N, of the last step's end
     virtual double elastic_energy() = 0;              ///< J
-    virtual double barrier_energy() = 0;              ///< of the last step's end, J times h^2
+    virtual double barrier_energy() = 0;  ///< of the last step's end, J times h^2
     [[nodiscard]] virtual std::string device_name() const = 0;
 };
 

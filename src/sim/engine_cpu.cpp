@@ -9,9 +9,12 @@ namespace {
 
 const char* simd_name() {
     switch (lane_dispatch()) {
-        case LaneDispatch::Width8: return "AVX-512";
-        case LaneDispatch::Width4: return "AVX2";
-        case LaneDispatch::Width2: return "SSE2";
+        case LaneDispatch::Width8:
+            return "AVX-512";
+        case LaneDispatch::Width4:
+            return "AVX2";
+        case LaneDispatch::Width2:
+            return "SSE2";
     }
     return "";
 }
@@ -38,7 +41,8 @@ class CpuEngine final : public Engine {
     double barrier_energy() override { return engine_->barrier_energy(); }
     [[nodiscard]] std::string device_name() const override {
         const int threads = arena_.threads();
-        return "CPU, " + std::to_string(threads) + (threads == 1 ? " thread, " : " threads, ") + simd_name();
+        return "CPU, " + std::to_string(threads)
+             + (threads == 1 ? " thread, " : " threads, ") + simd_name();
     }
 
   private:
@@ -48,12 +52,16 @@ class CpuEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_cpu_engine(const EngineInput& input) { return std::make_unique<CpuEngine>(input); }
+std::unique_ptr<Engine> make_cpu_engine(const EngineInput& input) {
+    return std::make_unique<CpuEngine>(input);
+}
 
 #if !defined(NOLI_HAVE_CUDA)
 Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& /*input*/) {
-    return Error{Error::Code::NoDevice, "--device cuda",
-                 "this program was built without CUDA; build the \"cuda\" preset, or use --device cpu"};
+    return Error{Error::Code::NoDevice,
+                 "--device cuda",
+                 "this program was built without CUDA; build the \"cuda\" preset, or use "
+                 "--device cpu"};
 }
 #endif
 

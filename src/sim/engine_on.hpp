@@ -22,15 +22,19 @@ class EngineOn {
         typename Exec::template Buffer<Vec3d> out;
         out.resize(num_vertices_);
         Newton<Exec>& newton = stepper_.newton();
-        newton.objective().contact_forces(exec_, stepper_.x(), newton.pairs(), newton.law(), out.view());
+        newton.objective().contact_forces(
+            exec_, stepper_.x(), newton.pairs(), newton.law(), out.view());
         std::vector<Vec3d> host;
         exec_.download(View<const Vec3d>(out.view()), host);
         return host;
     }
-    double elastic_energy() { return stepper_.newton().objective().elastic_energy_at(exec_, stepper_.x()); }
+    double elastic_energy() {
+        return stepper_.newton().objective().elastic_energy_at(exec_, stepper_.x());
+    }
     double barrier_energy() {
         Newton<Exec>& newton = stepper_.newton();
-        return newton.objective().barrier_energy(exec_, stepper_.x(), newton.pairs(), newton.law().barrier);
+        return newton.objective().barrier_energy(
+            exec_, stepper_.x(), newton.pairs(), newton.law().barrier);
     }
 
   private:

@@ -4,16 +4,19 @@
 
 namespace noli {
 
-/// Memory that a run of this model will need, MB: the large arrays, counted, plus a share for
-/// contacts that grows with the surface.
+/// Memory that a run of this model will need, MB: the large arrays, counted, plus a share
+/// for contacts that grows with the surface.
 inline double estimate_megabytes(const Model& model) {
     const double tets = model.num_tets();
     const double vertices = model.num_vertices;
-    const double surface = static_cast<double>(model.triangles.size() + model.edges.size());
-    const double per_tet = 90 * 8 + 4 * 24 + 9 * 8 + 3 * 8 + 16 + 10 * 6;  // blocks, corners, shape, lists
-    const double per_vertex = 15 * (72 + 8) + 30 * 24;                     // block rows, vectors
-    const double per_primitive = 400;                                      // trees, candidates, pairs
-    return 20.0 + 1e-6 * (tets * per_tet + vertices * per_vertex + surface * per_primitive);
+    const double surface =
+        static_cast<double>(model.triangles.size() + model.edges.size());
+    const double per_tet =
+        90 * 8 + 4 * 24 + 9 * 8 + 3 * 8 + 16 + 10 * 6;  // blocks, corners, shape, lists
+    const double per_vertex = 15 * (72 + 8) + 30 * 24;  // block rows, vectors
+    const double per_primitive = 400;                   // trees, candidates, pairs
+    return 20.0
+         + 1e-6 * (tets * per_tet + vertices * per_vertex + surface * per_primitive);
 }
 
 }  // namespace noli

@@ -3,9 +3,8 @@
 
 #include "output/file.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <iterator>
 #include <set>
 
@@ -17,7 +16,8 @@ namespace {
 std::set<std::array<int, 2>> piercing_edges(const VerifyReport& found) {
     std::set<std::array<int, 2>> edges;
     for (const ExactIntersection& hit : found.intersections)
-        edges.insert({std::min(hit.edge[0], hit.edge[1]), std::max(hit.edge[0], hit.edge[1])});
+        edges.insert(
+            {std::min(hit.edge[0], hit.edge[1]), std::max(hit.edge[0], hit.edge[1])});
     return edges;
 }
 
@@ -32,23 +32,33 @@ bool has_edge(const std::set<std::array<int, 2>>& edges, const Int3& t) {
 
 }  // namespace
 
-Status write_marked_mesh(const std::string& path, const Model& model, const VerifyReport& found) {
+Status write_marked_mesh(const std::string& path,
+                         const Model& model,
+                         const VerifyReport& found) {
     const std::set<std::array<int, 2>> edges = piercing_edges(found);
     std::set<std::array<int, 3>> pierced;
     for (const ExactIntersection& hit : found.intersections)
         pierced.insert(hit.triangle);
 
     std::string text = fmt::format(
-        "ply\nformat ascii 1.0\ncomment red: triangles that intersect\nelement vertex {}\n"
+        "ply\nformat ascii 1.0\ncomment red: triangles that intersect\nelement vertex "
+        "{}\n"
         "property double x\nproperty double y\nproperty double z\nelement face {}\n"
-        "property list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
+        "property list uchar int vertex_indices\nproperty uchar red\nproperty uchar "
+        "green\n"
         "property uchar blue\nend_header\n",
-        model.x0.size(), model.triangles.size());
+        model.x0.size(),
+        model.triangles.size());
     for (const Vec3d& p : model.x0)
         fmt::format_to(std::back_inserter(text), "{} {} {}\n", p.x, p.y, p.z);
     for (const Int3& t : model.triangles) {
         const bool red = pierced.count({t[0], t[1], t[2]}) > 0 || has_edge(edges, t);
-        fmt::format_to(std::back_inserter(text), "3 {} {} {} {}\n", t[0], t[1], t[2], red ? "220 30 30" : "190 190 190");
+        fmt::format_to(std::back_inserter(text),
+                       "3 {} {} {} {}\n",
+                       t[0],
+                       t[1],
+                       t[2],
+                       red ? "220 30 30" : "190 190 190");
     }
     return write_file(path, text);
 }

@@ -9,6 +9,8 @@
 namespace noli {
 
 /// All surfaces at the start as PLY, triangles that take part in an intersection in red.
-Status write_marked_mesh(const std::string& path, const Model& model, const VerifyReport& found);
+Status write_marked_mesh(const std::string& path,
+                         const Model& model,
+                         const VerifyReport& found);
 
 }  // namespace noli

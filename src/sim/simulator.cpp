@@ -8,16 +8,17 @@
 #include "sim/stress.hpp"
 #include "sim/verify.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
+#include <sys/resource.h>
 
 namespace noli {
 
 namespace {
 
-Vector3 to_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Vector3 to_array(const Vec3d& v) {
+    return {v.x, v.y, v.z};
+}
 
 std::vector<Vector3> to_arrays(const std::vector<Vec3d>& items) {
     std::vector<Vector3> out(items.size());
@@ -33,30 +34,40 @@ double peak_megabytes() {
 
 StepSettings step_settings(const Scene& scene, const Model& model, bool record) {
     const auto positive = [](double mu) { return mu > 0.0; };
-    return {.dt = scene.dt,
-            .dhat = model.dhat,
-            .epsv = model.epsv,
-            .diagonal = model.diagonal,
-            .mean_mass = model.mean_mass,
-            .has_friction = std::any_of(model.pair_friction.begin(), model.pair_friction.end(), positive)
-                            || std::any_of(model.plane_friction.begin(), model.plane_friction.end(), positive),
-            .contact = scene.contact,
-            .damping = scene.damping,
-            .solver = scene.solver,
-            .record_iterations = record};
+    return {
+        .dt = scene.dt,
+        .dhat = model.dhat,
+        .epsv = model.epsv,
+        .diagonal = model.diagonal,
+        .mean_mass = model.mean_mass,
+        .has_friction =
+            std::any_of(model.pair_friction.begin(), model.pair_friction.end(), positive)
+            || std::any_of(
+                model.plane_friction.begin(), model.plane_friction.end(), positive),
+        .contact = scene.contact,
+        .damping = scene.damping,
+        .solver = scene.solver,
+        .record_iterations = record};
 }
 
 }  // namespace
 
 const char* to_string(Outcome outcome) {
     switch (outcome) {
-        case Outcome::Converged: return "converged";
-        case Outcome::MaxIterations: return "max_iterations";
-        case Outcome::Stalled: return "stalled";
-        case Outcome::LinearSolverFailed: return "linear_solver_failed";
-        case Outcome::NumericalTrouble: return "numerical_trouble";
-        case Outcome::BoundaryBlocked: return "boundary_blocked";
-        case Outcome::Intersecting: return "intersecting";
+        case Outcome::Converged:
+            return "converged";
+        case Outcome::MaxIterations:
+            return "max_iterations";
+        case Outcome::Stalled:
+            return "stalled";
+        case Outcome::LinearSolverFailed:
+            return "linear_solver_failed";
+        case Outcome::NumericalTrouble:
+            return "numerical_trouble";
+        case Outcome::BoundaryBlocked:
+            return "boundary_blocked";
+        case Outcome::Intersecting:
+            return "intersecting";
     }
     return "unknown";
 }
@@ -91,7 +102,8 @@ Status Simulator::Impl::choose_engine() {
     }
     // The CUDA engine has not run on a GPU yet, so "auto" does not choose it by itself.
     if (options.device == Device::Auto)
-        resolved.device_note = "the CUDA engine is new; --device cuda selects it where a GPU is";
+        resolved.device_note =
+            "the CUDA engine is new; --device cuda selects it where a GPU is";
     engine = make_cpu_engine(input);
     return Done{};
 }
@@ -99,7 +111,9 @@ Status Simulator::Impl::choose_engine() {
 void Simulator::Impl::copy_topology() {
     tets.resize(model.tets.size());
     for (std::size_t k = 0; k < model.tets.size(); ++k)
-        std::copy_n(model.tets[k].v, 4, tets[static_cast<std::size_t>(model.tet_source[k])].begin());
+        std::copy_n(model.tets[k].v,
+                    4,
+                    tets[static_cast<std::size_t>(model.tet_source[k])].begin());
     for (const Int3& t : model.triangles)
         triangles.push_back({t[0], t[1], t[2]});
     for (const Int2& s : model.segments)
@@ -122,8 +136,10 @@ void Simulator::Impl::resolve() {
 
 Status Simulator::Impl::start() {
     if (scene.solver.linear == LinearSolver::Cholmod && !CholmodSolver::available())
-        return Error{Error::Code::Unsupported, "solver.linear",
-                     "this build has no CHOLMOD; install SuiteSparse and build with NOLI_CHOLMOD=ON, or use \"pcg\""};
+        return Error{Error::Code::Unsupported,
+                     "solver.linear",
+                     "this build has no CHOLMOD; install SuiteSparse and build with "
+                     "NOLI_CHOLMOD=ON, or use \"pcg\""};
     pattern = build_block_pattern(model.num_vertices, model.tets);
     settings = step_settings(scene, model, options.record_iterations);
     Status chosen = choose_engine();
@@ -157,29 +173,46 @@ StepReport Simulator::step() {
         const VerifyReport exact = verify();
         report.intersections = exact.num_intersections;
         report.inversions = exact.num_inversions;
-        if (exact.num_intersections + exact.num_inversions > 0 && report.outcome == Outcome::Converged) {
+        if (exact.num_intersections + exact.num_inversions > 0
+            && report.outcome == Outcome::Converged) {
             report.outcome = Outcome::Intersecting;
-            report.message = "the exact test found " + std::to_string(exact.num_intersections)
-                             + " intersections and " + std::to_string(exact.num_inversions)
-                             + " inverted tetrahedra after this step";
+            report.message = "the exact test found "
+                           + std::to_string(exact.num_intersections)
+                           + " intersections and " + std::to_string(exact.num_inversions)
+                           + " inverted tetrahedra after this step";
         }
     }
-    report.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.wall_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.peak_mb = peak_megabytes();
     return report;
 }
 
-int Simulator::steps_done() const { return impl_->engine->state().steps; }
-double Simulator::time() const { return steps_done() * impl_->scene.dt; }
-const Resolved& Simulator::resolved() const { return impl_->resolved; }
+int Simulator::steps_done() const {
+    return impl_->engine->state().steps;
+}
+double Simulator::time() const {
+    return steps_done() * impl_->scene.dt;
+}
+const Resolved& Simulator::resolved() const {
+    return impl_->resolved;
+}
 
 Topology Simulator::topology() const {
-    return {impl_->tets, impl_->triangles, impl_->segments, impl_->model.body, impl_->model.body_names,
+    return {impl_->tets,
+            impl_->triangles,
+            impl_->segments,
+            impl_->model.body,
+            impl_->model.body_names,
             impl_->model.mass};
 }
 
-std::vector<Vector3> Simulator::positions() const { return to_arrays(impl_->engine->state().x); }
-std::vector<Vector3> Simulator::velocities() const { return to_arrays(impl_->engine->state().v); }
+std::vector<Vector3> Simulator::positions() const {
+    return to_arrays(impl_->engine->state().x);
+}
+std::vector<Vector3> Simulator::velocities() const {
+    return to_arrays(impl_->engine->state().v);
+}
 
 Fields Simulator::fields() {
     Fields out;
@@ -193,12 +226,18 @@ VerifyReport Simulator::verify() const {
     return impl_->verifier->run(impl_->engine->state().x);
 }
 
-std::uint64_t Simulator::state_hash() const { return hash_bytes(std::span<const std::byte>(save())); }
-std::vector<std::byte> Simulator::save() const { return encode_state(impl_->engine->state()); }
+std::uint64_t Simulator::state_hash() const {
+    return hash_bytes(std::span<const std::byte>(save()));
+}
+std::vector<std::byte> Simulator::save() const {
+    return encode_state(impl_->engine->state());
+}
 
 Status Simulator::restore(std::span<const std::byte> bytes) {
     Result<StepState> state =
-        decode_state(bytes, impl_->model.num_vertices, static_cast<int>(impl_->model.conditions.size()));
+        decode_state(bytes,
+                     impl_->model.num_vertices,
+                     static_cast<int>(impl_->model.conditions.size()));
     if (!state) return state.error();
     impl_->engine->set_state(state.value());
     return Done{};

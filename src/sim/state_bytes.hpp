@@ -15,6 +15,8 @@ namespace noli {
 std::vector<std::byte> encode_state(const StepState& state);
 
 /// Fails with BadCheckpoint when sizes do not fit `num_vertices` and `num_conditions`.
-Result<StepState> decode_state(std::span<const std::byte> bytes, int num_vertices, int num_conditions);
+Result<StepState> decode_state(std::span<const std::byte> bytes,
+                               int num_vertices,
+                               int num_conditions);
 
 }  // namespace noli

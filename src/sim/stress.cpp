@@ -20,7 +20,8 @@ Mat3d stress_of(const Model& model, const std::vector<Vec3d>& x, std::size_t t) 
 
 Mat3d stress_of(const Model& model, const std::vector<Vec3d>& x, int t) {
     const std::size_t k = static_cast<std::size_t>(t);
-    if (t < model.model_begin[1]) return stress_of<ElasticModel::StableNeoHookean>(model, x, k);
+    if (t < model.model_begin[1])
+        return stress_of<ElasticModel::StableNeoHookean>(model, x, k);
     if (t < model.model_begin[2]) return stress_of<ElasticModel::NeoHookean>(model, x, k);
     return stress_of<ElasticModel::FixedCorotated>(model, x, k);
 }
@@ -35,7 +36,8 @@ void tet_stresses(const Model& model,
     von_mises_out.resize(model.tets.size());
     for (int t = 0; t < model.num_tets(); ++t) {
         const Mat3d s = stress_of(model, x, t);
-        const std::size_t to = static_cast<std::size_t>(model.tet_source[static_cast<std::size_t>(t)]);
+        const std::size_t to =
+            static_cast<std::size_t>(model.tet_source[static_cast<std::size_t>(t)]);
         std::copy_n(s.a, 9, stress[to].begin());
         von_mises_out[to] = von_mises(s);
     }

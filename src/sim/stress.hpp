@@ -7,7 +7,8 @@
 
 namespace noli {
 
-/// Cauchy stress (row-major, Pa) and von Mises stress (Pa) of every tetrahedron, in mesh-file order.
+/// Cauchy stress (row-major, Pa) and von Mises stress (Pa) of every tetrahedron, in
+/// mesh-file order.
 void tet_stresses(const Model& model,
                   const std::vector<Vec3d>& x,
                   std::vector<std::array<double, 9>>& stress,

@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::size_t kMaxListed = 1000;
 
-View<const Vec3d> view_of(const std::vector<Vec3d>& x) { return {x.data(), static_cast<int>(x.size())}; }
+View<const Vec3d> view_of(const std::vector<Vec3d>& x) {
+    return {x.data(), static_cast<int>(x.size())};
+}
 
 }  // namespace
 
@@ -22,13 +24,20 @@ struct Verifier::Impl {
     Collision<CpuExec> collision;
     PairSet<CpuExec> pairs;
 
-    explicit Impl(const Model& from) : model(from) { check.set_mesh(exec, collision_mesh(from, from.obstacle)); }
-
-    [[nodiscard]] const std::string& body(int vertex) const {
-        return model.body_names[static_cast<std::size_t>(model.body[static_cast<std::size_t>(vertex)])];
+    explicit Impl(const Model& from) : model(from) {
+        check.set_mesh(exec, collision_mesh(from, from.obstacle));
     }
 
-    void list(VerifyReport& report, const Int2& edge, const Int3& triangle, const Vec3d& place, const std::string& other) const {
+    [[nodiscard]] const std::string& body(int vertex) const {
+        return model.body_names[static_cast<std::size_t>(
+            model.body[static_cast<std::size_t>(vertex)])];
+    }
+
+    void list(VerifyReport& report,
+              const Int2& edge,
+              const Int3& triangle,
+              const Vec3d& place,
+              const std::string& other) const {
         ++report.num_intersections;
         if (report.intersections.size() == kMaxListed) return;
         report.intersections.push_back({{edge[0], edge[1]},
@@ -49,17 +58,26 @@ VerifyReport Verifier::run(const std::vector<Vec3d>& x) {
     for (const EdgeTriangleIntersection& hit : found.edge_triangle)
         in.list(report, hit.edge, hit.triangle, hit.place, in.body(hit.triangle[0]));
     for (const VertexOnTriangle& hit : found.vertex_triangle)
-        in.list(report, {{hit.vertex, hit.vertex}}, hit.triangle, hit.place, in.body(hit.triangle[0]));
+        in.list(report,
+                {{hit.vertex, hit.vertex}},
+                hit.triangle,
+                hit.place,
+                in.body(hit.triangle[0]));
     for (const VertexBehindPlane& hit : found.vertex_plane)
-        in.list(report, {{hit.vertex, hit.vertex}}, {{-1, -1, -1}}, x[static_cast<std::size_t>(hit.vertex)],
+        in.list(report,
+                {{hit.vertex, hit.vertex}},
+                {{-1, -1, -1}},
+                x[static_cast<std::size_t>(hit.vertex)],
                 in.model.planes[static_cast<std::size_t>(hit.plane)].name);
 
     const View<const Int4> tets{in.model.tets.data(), in.model.num_tets()};
     report.num_inversions = count_inverted(in.exec, tets, view_of(x)).count;
     for (int t = 0; report.num_inversions > 0 && t < tets.size; ++t) {
         const auto at = [&](int k) { return x[static_cast<std::size_t>(tets[t][k])]; };
-        if (orient3d_sign(at(0), at(1), at(2), at(3)) <= 0 && report.inverted_tets.size() < kMaxListed)
-            report.inverted_tets.push_back(in.model.tet_source[static_cast<std::size_t>(t)]);
+        if (orient3d_sign(at(0), at(1), at(2), at(3)) <= 0
+            && report.inverted_tets.size() < kMaxListed)
+            report.inverted_tets.push_back(
+                in.model.tet_source[static_cast<std::size_t>(t)]);
     }
     return report;
 }

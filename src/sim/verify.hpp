@@ -9,8 +9,8 @@
 
 namespace noli {
 
-/// Exact test of positions for intersections and inverted tetrahedra, independent of the solver.
-/// Pairs of obstacle vertices alone are not tested.
+/// Exact test of positions for intersections and inverted tetrahedra, independent of the
+/// solver. Pairs of obstacle vertices alone are not tested.
 class Verifier {
   public:
     /// The model must outlive the verifier.

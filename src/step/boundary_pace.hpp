@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// When prescribed vertices move, when they wait, and how exactly the direction is solved for.
+/// When prescribed vertices move, when they wait, and how exactly the direction is solved
+/// for.
 ///
-/// While they move, a line search on the energy has no say (they do work), so a motion that is cut
-/// short by a collision must not be repeated blindly: it would squeeze the same gap again and again.
-/// After a short move the free vertices relax first, in plain Newton iterations. A right-hand side
-/// with moving vertices is dominated by their stiff contacts, and PCG's relative test would end with
-/// everything else unsolved: such systems, and those after a short step, are solved more exactly.
+/// While they move, a line search on the energy has no say (they do work), so a motion
+/// that is cut short by a collision must not be repeated blindly: it would squeeze the
+/// same gap again and again. After a short move the free vertices relax first, in plain
+/// Newton iterations. A right-hand side with moving vertices is dominated by their stiff
+/// contacts, and PCG's relative test would end with everything else unsolved: such
+/// systems, and those after a short step, are solved more exactly.
 
 #include "noli/simulator.hpp"
 
@@ -37,7 +39,8 @@ class BoundaryPace {
     /// True once the motion has been cut short often enough to call it blocked.
     [[nodiscard]] bool blocked() const { return short_moves_ >= kShortMovesToYield; }
 
-    /// After a line search that found nothing: true if a more exact direction is worth a try.
+    /// After a line search that found nothing: true if a more exact direction is worth a
+    /// try.
     bool retry_more_exactly() {
         if (exactness_ <= kLeastExactness) return false;
         exactness_ *= kMovingFactor;
@@ -45,9 +48,12 @@ class BoundaryPace {
     }
 
   private:
-    static constexpr double kShortMove = 0.5;      ///< step length of a move that was cut short
-    static constexpr double kPoorStep = 0.01;      ///< step length that suggests a poor direction
-    static constexpr int kMostRelaxing = 20;       ///< plain iterations between two moves at most
+    static constexpr double kShortMove =
+        0.5;  ///< step length of a move that was cut short
+    static constexpr double kPoorStep =
+        0.01;  ///< step length that suggests a poor direction
+    static constexpr int kMostRelaxing =
+        20;  ///< plain iterations between two moves at most
     static constexpr double kMovingFactor = 1e-3;
     static constexpr double kLeastExactness = 1e-9;
     static constexpr double kTightest = 1e-20;

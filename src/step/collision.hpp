@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Contact detection as the Newton loop uses it: candidates of a motion, the safe step along it,
-/// active pairs at a position.
+/// Contact detection as the Newton loop uses it: candidates of a motion, the safe step
+/// along it, active pairs at a position.
 
 #include "contact/candidates.hpp"
 #include "contact/min_gap.hpp"
@@ -13,7 +13,8 @@
 namespace noli {
 
 /// The collision surface of a model; `kinematic` marks the vertices that are prescribed.
-inline CollisionMesh collision_mesh(const Model& model, const std::vector<std::uint8_t>& kinematic) {
+inline CollisionMesh collision_mesh(const Model& model,
+                                    const std::vector<std::uint8_t>& kinematic) {
     CollisionMesh mesh;
     mesh.num_vertices = model.num_vertices;
     mesh.vertices = model.surface_vertices;
@@ -34,7 +35,10 @@ template <class Exec>
 class Collision {
   public:
     /// Takes the surface for one step. Cheap when `kinematic` is as before.
-    void begin_step(Exec& exec, const Model& model, const std::vector<std::uint8_t>& kinematic, View<const Vec3d> x) {
+    void begin_step(Exec& exec,
+                    const Model& model,
+                    const std::vector<std::uint8_t>& kinematic,
+                    View<const Vec3d> x) {
         if (kinematic_ != kinematic) {
             mesh_.upload(exec, collision_mesh(model, kinematic));
             kinematic_ = kinematic;
@@ -42,13 +46,19 @@ class Collision {
         broad_phase_.sort(exec, mesh_, x);
     }
 
-    /// Finds all pairs that get closer than dhat along x + t p, t in [0, alpha]; p may be empty.
-    void find_candidates_along(Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double dhat) {
+    /// Finds all pairs that get closer than dhat along x + t p, t in [0, alpha]; p may be
+    /// empty.
+    void find_candidates_along(
+        Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double dhat) {
         find_candidates(exec, mesh_, broad_phase_, x, p, alpha, dhat, candidates_);
     }
 
     /// Largest safe step in [0, alpha] over the candidates of that motion.
-    StepBound bound(Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double min_separation) {
+    StepBound bound(Exec& exec,
+                    View<const Vec3d> x,
+                    View<const Vec3d> p,
+                    double alpha,
+                    double min_separation) {
         const AdvanceParams params{.slack = kCcdSlack, .min_separation = min_separation};
         return step_bound(exec, mesh_, candidates_, x, p, alpha, params, bound_work_);
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The Newton direction: solves H p = -g on the free vertices, with the prescribed vertices moving
-/// by what is left of their motion in this step (elimination, never a penalty).
+/// The Newton direction: solves H p = -g on the free vertices, with the prescribed
+/// vertices moving by what is left of their motion in this step (elimination, never a
+/// penalty).
 
 #include "linear/cholmod_solver.hpp"
 #include "linear/pcg.hpp"
@@ -42,13 +43,17 @@ void right_hand_side(Exec& exec,
 
 template <class Exec>
 double max_component(Exec& exec, View<const Vec3d> a) {
-    return -exec.min("step/max_component", a.size, [=] NOLI_HD(int i) { return -max_abs(a[i]); });
+    return -exec.min(
+        "step/max_component", a.size, [=] NOLI_HD(int i) { return -max_abs(a[i]); });
 }
 
 template <class Exec>
-double max_free_component(Exec& exec, View<const Vec3d> a, View<const std::uint8_t> fixed) {
-    return -exec.min("step/max_free_component", a.size,
-                     [=] NOLI_HD(int i) { return fixed[i] ? 0.0 : -max_abs(a[i]); });
+double max_free_component(Exec& exec,
+                          View<const Vec3d> a,
+                          View<const std::uint8_t> fixed) {
+    return -exec.min("step/max_free_component", a.size, [=] NOLI_HD(int i) {
+        return fixed[i] ? 0.0 : -max_abs(a[i]);
+    });
 }
 
 }  // namespace detail
@@ -63,7 +68,10 @@ class DirectionSolver {
     }
 
     /// Largest component of what the prescribed vertices still have to move, m.
-    double find_remaining(Exec& exec, View<const std::uint8_t> fixed, View<const Vec3d> target, View<const Vec3d> x) {
+    double find_remaining(Exec& exec,
+                          View<const std::uint8_t> fixed,
+                          View<const Vec3d> target,
+                          View<const Vec3d> x) {
         detail::remaining_motion(exec, fixed, target, x, prescribed_.view());
         remaining_ = detail::max_component(exec, View<const Vec3d>(prescribed_.view()));
         return remaining_;
@@ -81,14 +89,23 @@ class DirectionSolver {
                           typename Exec::template Buffer<Vec3d>& p) {
         detail::set_zero(exec, pushed_.view());
         if (remaining_ > 0.0) {
-            objective.matrix().multiply(exec, View<const Vec3d>(prescribed_.view()), pushed_.view());
-            objective.terms().multiply_add(exec, View<const Vec3d>(prescribed_.view()), pushed_.view());
+            objective.matrix().multiply(
+                exec, View<const Vec3d>(prescribed_.view()), pushed_.view());
+            objective.terms().multiply_add(
+                exec, View<const Vec3d>(prescribed_.view()), pushed_.view());
         }
-        detail::right_hand_side(exec, fixed, objective.gradient(), View<const Vec3d>(pushed_.view()), rhs_.view());
-        const DirectionResult result = settings.linear == LinearSolver::Cholmod
-                                           ? solve_cholmod(exec, objective, fixed, p)
-                                           : solve_pcg(exec, objective, fixed, settings, pcg_tolerance, p.view());
-        if (remaining_ > 0.0) detail::add_scaled(exec, 1.0, View<const Vec3d>(prescribed_.view()), p.view());
+        detail::right_hand_side(exec,
+                                fixed,
+                                objective.gradient(),
+                                View<const Vec3d>(pushed_.view()),
+                                rhs_.view());
+        const DirectionResult result =
+            settings.linear == LinearSolver::Cholmod
+                ? solve_cholmod(exec, objective, fixed, p)
+                : solve_pcg(exec, objective, fixed, settings, pcg_tolerance, p.view());
+        if (remaining_ > 0.0)
+            detail::add_scaled(
+                exec, 1.0, View<const Vec3d>(prescribed_.view()), p.view());
         return result;
     }
 
@@ -102,17 +119,23 @@ class DirectionSolver {
         const PcgOptions options{.tolerance = tolerance,
                                  .max_iterations = settings.max_pcg,
                                  .preconditioner = PreconditionerKind::GaussSeidel};
-        const PcgResult solved = pcg_.solve(exec, objective.matrix(), objective.terms(),
-                                            View<const Vec3d>(rhs_.view()), fixed, options, p);
+        const PcgResult solved = pcg_.solve(exec,
+                                            objective.matrix(),
+                                            objective.terms(),
+                                            View<const Vec3d>(rhs_.view()),
+                                            fixed,
+                                            options,
+                                            p);
         DirectionResult out{.iterations = solved.iterations};
         if (solved.outcome == PcgResult::Outcome::Breakdown) {
             out.ok = false;
-            out.trouble = "PCG broke down: the Hessian is not positive definite or not finite";
+            out.trouble =
+                "PCG broke down: the Hessian is not positive definite or not finite";
         }
         if (solved.outcome == PcgResult::Outcome::MaxIterations) {
             out.ok = false;
             out.trouble = "PCG did not converge in " + std::to_string(solved.iterations)
-                          + " iterations (solver.max_pcg); the system is badly conditioned";
+                        + " iterations (solver.max_pcg); the system is badly conditioned";
         }
         return out;
     }
@@ -122,8 +145,13 @@ class DirectionSolver {
                                   View<const std::uint8_t> fixed,
                                   typename Exec::template Buffer<Vec3d>& p) {
         using Solved = CholmodSolver::Outcome;
-        const Solved outcome = solve_direct(exec, cholmod_, objective.matrix(), objective.terms(),
-                                             View<const Vec3d>(rhs_.view()), fixed, p);
+        const Solved outcome = solve_direct(exec,
+                                            cholmod_,
+                                            objective.matrix(),
+                                            objective.terms(),
+                                            View<const Vec3d>(rhs_.view()),
+                                            fixed,
+                                            p);
         DirectionResult out{.iterations = 1, .ok = outcome == Solved::Solved};
         if (outcome == Solved::NotPositiveDefinite)
             out.trouble = "CHOLMOD: the Hessian is not positive definite or not finite";

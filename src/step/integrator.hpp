@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Time integrators as predictors of the incremental potential: x~ and h^2 before the solve, the
-/// new velocity after it.
+/// Time integrators as predictors of the incremental potential: x~ and h^2 before the
+/// solve, the new velocity after it.
 ///
 ///     implicit Euler  h^2 = dt^2       x~ = x + dt v + h^2 a_ext
 ///                     v'  = (x' - x) / dt
-///     BDF2            h^2 = 4/9 dt^2   x~ = (4 x - x_1) / 3 + 2/9 dt (4 v - v_1) + h^2 a_ext
+///     BDF2            h^2 = 4/9 dt^2   x~ = (4 x - x_1) / 3 + 2/9 dt (4 v - v_1) + h^2
+///     a_ext
 ///                     v'  = (3 x' - 4 x + x_1) / (2 dt)
 ///     Newmark         h^2 = beta dt^2  x~ = x + dt v + dt^2 (1/2 - beta) a + h^2 a_ext
 ///                     a'  = (x' - x - dt v - dt^2 (1/2 - beta) a) / (beta dt^2)
 ///                     v'  = v + dt ((1 - gamma) a + gamma a')
 ///
-/// x_1, v_1: one step earlier; a: acceleration of the last step. BDF2 starts with one Euler step.
-/// Source: MATH 7 (Euler), standard texts [Hairer1996] for the others.
+/// x_1, v_1: one step earlier; a: acceleration of the last step. BDF2 starts with one
+/// Euler step. Source: MATH 7 (Euler), standard texts [Hairer1996] for the others.
 
 #include "noli/scene.hpp"
 
@@ -26,7 +27,7 @@ namespace noli {
 /// Motion of all vertices; arrays are per vertex.
 template <class Exec>
 struct MotionState {
-    typename Exec::template Buffer<Vec3d> x, v, a;        ///< m, m/s, m/s^2
+    typename Exec::template Buffer<Vec3d> x, v, a;         ///< m, m/s, m/s^2
     typename Exec::template Buffer<Vec3d> x_prev, v_prev;  ///< one step earlier
 };
 
@@ -57,8 +58,10 @@ void predict(Exec& exec,
     exec.for_each("step/predict", x.size, [=] NOLI_HD(int i) {
         Vec3d at = x[i] + dt * v[i];
         if (choice.kind == Integrator::Bdf2)
-            at = (1.0 / 3.0) * (4.0 * x[i] - x_prev[i]) + (2.0 / 9.0 * dt) * (4.0 * v[i] - v_prev[i]);
-        if (choice.kind == Integrator::Newmark) at += (dt * dt * (0.5 - choice.beta)) * a[i];
+            at = (1.0 / 3.0) * (4.0 * x[i] - x_prev[i])
+               + (2.0 / 9.0 * dt) * (4.0 * v[i] - v_prev[i]);
+        if (choice.kind == Integrator::Newmark)
+            at += (dt * dt * (0.5 - choice.beta)) * a[i];
         x_tilde[i] = at + h_sq * a_ext[i];
     });
 }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The Newton loop of one time step. Source: MATH 8, with these differences:
-///   * the stopping test looks at the direction just found, not at the one before, and that
+///   * the stopping test looks at the direction just found, not at the one before, and
+///   that
 ///     direction is still applied;
-///   * prescribed vertices take part in the direction (see direction.hpp), so in iterations in
+///   * prescribed vertices take part in the direction (see direction.hpp), so in
+///   iterations in
 ///     which they still move the energy may rise; in all others it must not;
-///   * contact candidates are found once per iteration, for the whole swept motion, and serve the
+///   * contact candidates are found once per iteration, for the whole swept motion, and
+///   serve the
 ///     step bound and all line-search trials.
 
 #include "noli/simulator.hpp"
@@ -26,7 +29,10 @@ class Newton {
     template <class T>
     using Buffer = typename Exec::template Buffer<T>;
 
-    Newton(Exec& exec, const Model& model, const BlockPattern& pattern, const StepSettings& settings)
+    Newton(Exec& exec,
+           const Model& model,
+           const BlockPattern& pattern,
+           const StepSettings& settings)
         : exec_(exec),
           model_(model),
           settings_(settings),
@@ -46,7 +52,8 @@ class Newton {
             stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
 
-    /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged friction.
+    /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged
+    /// friction.
     void begin_step(const StepScales& scales,
                     View<const std::uint8_t> fixed,
                     View<const Vec3d> x,
@@ -63,8 +70,15 @@ class Newton {
             collision_.find_pairs_at(exec_, x, settings_.dhat, pairs_);
         }
         if (settings_.contact.kappa <= 0.0)
-            law_.barrier.kappa = balanced_stiffness(exec_, objective_, x, fixed_, pairs_, law_, range_,
-                                                    p_.view(), x_trial_.view());
+            law_.barrier.kappa = balanced_stiffness(exec_,
+                                                    objective_,
+                                                    x,
+                                                    fixed_,
+                                                    pairs_,
+                                                    law_,
+                                                    range_,
+                                                    p_.view(),
+                                                    x_trial_.view());
         lag_friction_at(x);
         last_gap_ = HUGE_VAL;
     }
@@ -73,9 +87,13 @@ class Newton {
         if (settings_.has_friction) objective_.lag_friction_at(exec_, pairs_, x, law_);
     }
 
-    /// Minimises the incremental potential from x, with prescribed vertices going to `target`.
-    /// Fills the report; leaves in x the last iterate, always free of intersections.
-    Outcome minimize(View<const Vec3d> target, double tolerance, View<Vec3d> x, StepReport& report) {
+    /// Minimises the incremental potential from x, with prescribed vertices going to
+    /// `target`. Fills the report; leaves in x the last iterate, always free of
+    /// intersections.
+    Outcome minimize(View<const Vec3d> target,
+                     double tolerance,
+                     View<Vec3d> x,
+                     StepReport& report) {
         stall_ = {};
         pace_ = {};
         energy_known_ = false;
@@ -86,8 +104,9 @@ class Newton {
             if (settings_.record_iterations) report.iterations.push_back(record);
             if (progress.ended) return progress.outcome;
         }
-        report.message = "no convergence in " + std::to_string(settings_.solver.max_newton)
-                         + " iterations (solver.max_newton); " + stall_.describe();
+        report.message = "no convergence in "
+                       + std::to_string(settings_.solver.max_newton)
+                       + " iterations (solver.max_newton); " + stall_.describe();
         return Outcome::MaxIterations;
     }
 
@@ -102,8 +121,8 @@ class Newton {
     double gap_at(View<const Vec3d> x) { return collision_.gap_at(exec_, pairs_, x); }
 
   private:
-    /// Elastic energy densities are differences of terms of size mu and lambda, near rest too: their
-    /// rounding error is about this share of them.
+    /// Elastic energy densities are differences of terms of size mu and lambda, near rest
+    /// too: their rounding error is about this share of them.
     static constexpr double kElasticRounding = 2.3e-16;
 
     struct Progress {
@@ -129,7 +148,8 @@ class Newton {
         record.boundary_moved = !arrived && pace_.moves();
         if (!record.boundary_moved) direction_.hold_prescribed();
         if (settings_.record_iterations)
-            record.gradient = detail::max_free_component(exec_, objective_.gradient(), fixed_);
+            record.gradient =
+                detail::max_free_component(exec_, objective_.gradient(), fixed_);
         const DirectionResult solved = solve_direction(record, report);
         if (!solved.ok) {
             report.message = solved.trouble;
@@ -137,7 +157,8 @@ class Newton {
         }
         record.direction = detail::max_component(exec_, View<const Vec3d>(p_.view()));
         if (!(record.direction < HUGE_VAL) || !(energy_ < HUGE_VAL)) {
-            report.message = describe_not_finite(record.direction, energy_, report.newton);
+            report.message =
+                describe_not_finite(record.direction, energy_, report.newton);
             return {true, Outcome::NumericalTrouble};
         }
         const bool converged = arrived && record.direction < tolerance * settings_.dt;
@@ -154,8 +175,9 @@ class Newton {
         return progress;
     }
 
-    /// Prescribed vertices of elastic bodies that something blocks are held by springs from here on
-    /// (docs/decisions/001-boundary-by-elimination.md); those of obstacles are not.
+    /// Prescribed vertices of elastic bodies that something blocks are held by springs
+    /// from here on (docs/decisions/001-boundary-by-elimination.md); those of obstacles
+    /// are not.
     void yield_boundary(View<const Vec3d> target) {
         const View<const std::uint8_t> obstacle = obstacle_.view();
         objective_.yield(exec_, fixed_, obstacle, target);
@@ -168,8 +190,13 @@ class Newton {
 
     DirectionResult solve_direction(IterationRecord& record, StepReport& report) {
         const PhaseTimer timer(report.t_solve);
-        const DirectionResult solved = direction_.solve(exec_, objective_, fixed_, settings_.solver,
-                                                        pace_.tolerance(settings_.solver.pcg_tolerance, record.boundary_moved), p_);
+        const DirectionResult solved = direction_.solve(
+            exec_,
+            objective_,
+            fixed_,
+            settings_.solver,
+            pace_.tolerance(settings_.solver.pcg_tolerance, record.boundary_moved),
+            p_);
         ++report.newton;
         report.pcg += solved.iterations;
         record.pcg = solved.iterations;
@@ -181,35 +208,46 @@ class Newton {
         const View<const Vec3d> p = p_.view();
         {
             const PhaseTimer timer(report.t_ccd);
-            const InversionBound inversion = objective_.inversion_bound_along(exec_, x, p, kKeepVolume);
+            const InversionBound inversion =
+                objective_.inversion_bound_along(exec_, x, p, kKeepVolume);
             record.step_bound = inversion.alpha;
             if (inversion.tet >= 0) record.limiting = describe_tet(model_, inversion.tet);
         }
         {
             const PhaseTimer timer(report.t_pairs);
-            collision_.find_candidates_along(exec_, x, p, record.step_bound, settings_.dhat);
+            collision_.find_candidates_along(
+                exec_, x, p, record.step_bound, settings_.dhat);
         }
         const PhaseTimer timer(report.t_ccd);
-        const StepBound bound =
-            collision_.bound(exec_, x, p, record.step_bound, settings_.contact.min_separation);
+        const StepBound bound = collision_.bound(
+            exec_, x, p, record.step_bound, settings_.contact.min_separation);
         if (bound.alpha < record.step_bound) {
             record.step_bound = bound.alpha;
             record.limiting = describe_bound(model_, bound);
         }
     }
 
-    /// Backtracks until the energy does not rise (or boundary motion makes that moot), then takes
-    /// the step. False if no step was found; x then stays.
-    bool search(View<Vec3d> x, bool converged, IterationRecord& record, StepReport& report) {
+    /// Backtracks until the energy does not rise (or boundary motion makes that moot),
+    /// then takes the step. False if no step was found; x then stays.
+    bool search(View<Vec3d> x,
+                bool converged,
+                IterationRecord& record,
+                StepReport& report) {
         const PhaseTimer timer(report.t_search);
-        const double slope = detail::dot_sum(exec_, objective_.gradient(), View<const Vec3d>(p_.view()));
-        LineSearch search{.energy_before = energy_,
-                          .slope = slope,
-                          .rounding = kElasticRounding * objective_.scales().h_sq * stiffness_sum_,
-                          .may_rise = record.boundary_moved};
+        const double slope =
+            detail::dot_sum(exec_, objective_.gradient(), View<const Vec3d>(p_.view()));
+        LineSearch search{
+            .energy_before = energy_,
+            .slope = slope,
+            .rounding = kElasticRounding * objective_.scales().h_sq * stiffness_sum_,
+            .may_rise = record.boundary_moved};
         double alpha = record.step_bound;
         for (; search.halvings < kMaxHalvings; ++search.halvings, alpha *= 0.5) {
-            detail::trial_point(exec_, View<const Vec3d>(x), View<const Vec3d>(p_.view()), alpha, x_trial_.view());
+            detail::trial_point(exec_,
+                                View<const Vec3d>(x),
+                                View<const Vec3d>(p_.view()),
+                                alpha,
+                                x_trial_.view());
             collision_.find_pairs_at(exec_, x_trial_.view(), settings_.dhat, pairs_);
             const double energy = objective_.energy(exec_, x_trial_.view(), pairs_, law_);
             if (!search.accepts(energy, alpha)) continue;
@@ -229,8 +267,11 @@ class Newton {
         return false;
     }
 
-    /// Contact figures of the accepted state, and a stiffer barrier where a tiny gap still shrinks.
-    void finish_iteration(View<const Vec3d> x, IterationRecord& record, StepReport& report) {
+    /// Contact figures of the accepted state, and a stiffer barrier where a tiny gap
+    /// still shrinks.
+    void finish_iteration(View<const Vec3d> x,
+                          IterationRecord& record,
+                          StepReport& report) {
         const double gap = gap_at(x);
         record.contacts = pairs_.size();
         record.min_gap = gap;
@@ -238,7 +279,8 @@ class Newton {
         report.min_gap = gap;
         const double tiny = std::sqrt(kTinyGapSq) * settings_.diagonal;
         const bool adaptive = settings_.contact.kappa <= 0.0;
-        if (adaptive && gap < tiny && gap < last_gap_ && law_.barrier.kappa < range_.high) {
+        if (adaptive && gap < tiny && gap < last_gap_
+            && law_.barrier.kappa < range_.high) {
             law_.barrier.kappa = std::min(2.0 * law_.barrier.kappa, range_.high);
             energy_known_ = false;
         }
@@ -246,19 +288,24 @@ class Newton {
         report.kappa = law_.barrier.kappa;
     }
 
-    /// Counts short steps; moves to a stronger contact Hessian, or gives up with the cause.
+    /// Counts short steps; moves to a stronger contact Hessian, or gives up with the
+    /// cause.
     Progress judge_progress(const IterationRecord& record, StepReport& report) {
         stall_.add(record);
         pace_.add(record);
-        if (stall_.short_steps == kShortStepsBeforeSwitch && law_.hessian != ContactHessian::Exact) {
-            law_.hessian = law_.hessian == ContactHessian::GaussNewton ? ContactHessian::GaussNewtonPlus
-                                                                       : ContactHessian::Exact;
+        if (stall_.short_steps == kShortStepsBeforeSwitch
+            && law_.hessian != ContactHessian::Exact) {
+            law_.hessian = law_.hessian == ContactHessian::GaussNewton
+                             ? ContactHessian::GaussNewtonPlus
+                             : ContactHessian::Exact;
             stall_.short_steps = 0;
-            report.message = "contact Hessian strengthened after short steps at " + record.limiting;
+            report.message =
+                "contact Hessian strengthened after short steps at " + record.limiting;
         }
         if (stall_.short_steps < kShortStepsBeforeStall) return {};
         report.message = stall_.describe();
-        return {true, record.boundary_moved ? Outcome::BoundaryBlocked : Outcome::Stalled};
+        return {true,
+                record.boundary_moved ? Outcome::BoundaryBlocked : Outcome::Stalled};
     }
 
     Exec& exec_;

@@ -21,14 +21,22 @@ struct StepSettings {
     bool record_iterations = false;
 };
 
-inline ContactHessian hessian_of(ContactModel model) { return static_cast<ContactHessian>(model); }
-inline MollifiedHessian hessian_of(MollifierModel model) { return static_cast<MollifiedHessian>(model); }
+inline ContactHessian hessian_of(ContactModel model) {
+    return static_cast<ContactHessian>(model);
+}
+inline MollifiedHessian hessian_of(MollifierModel model) {
+    return static_cast<MollifiedHessian>(model);
+}
 
 /// Constants of the numerics that are not the user's business; each says what it is for.
-inline constexpr double kCcdSlack = 0.8;           ///< share of a distance that one step may use up
-inline constexpr double kKeepVolume = 0.2;         ///< share of a tet's volume that one step must keep
-inline constexpr int kShortStepsBeforeSwitch = 5;  ///< then a stronger contact Hessian is tried
+inline constexpr double kCcdSlack =
+    0.8;  ///< share of a distance that one step may use up
+inline constexpr double kKeepVolume =
+    0.2;  ///< share of a tet's volume that one step must keep
+inline constexpr int kShortStepsBeforeSwitch =
+    5;  ///< then a stronger contact Hessian is tried
 inline constexpr int kShortStepsBeforeStall = 60;  ///< then the step ends as stalled
-inline constexpr double kTinyGapSq = 1e-18;        ///< d^2 over diagonal^2 below which kappa doubles
+inline constexpr double kTinyGapSq =
+    1e-18;  ///< d^2 over diagonal^2 below which kappa doubles
 
 }  // namespace noli

@@ -10,16 +10,22 @@
 
 namespace noli {
 
-inline constexpr double kYieldShare = 0.25;  ///< of its motion that a blocked prescribed vertex may lack
-inline constexpr int kMaxFrictionUpdates = 100;  ///< where friction_iterations = until convergence
+inline constexpr double kYieldShare =
+    0.25;  ///< of its motion that a blocked prescribed vertex may lack
+inline constexpr int kMaxFrictionUpdates =
+    100;  ///< where friction_iterations = until convergence
 
 namespace detail {
 
 /// Largest component of a - b over marked vertices.
 template <class Exec>
-double max_distance(Exec& exec, View<const std::uint8_t> marked, View<const Vec3d> a, View<const Vec3d> b) {
-    return -exec.min("step/max_distance", a.size,
-                     [=] NOLI_HD(int i) { return marked[i] ? -max_abs(a[i] - b[i]) : 0.0; });
+double max_distance(Exec& exec,
+                    View<const std::uint8_t> marked,
+                    View<const Vec3d> a,
+                    View<const Vec3d> b) {
+    return -exec.min("step/max_distance", a.size, [=] NOLI_HD(int i) {
+        return marked[i] ? -max_abs(a[i] - b[i]) : 0.0;
+    });
 }
 
 }  // namespace detail
@@ -35,7 +41,11 @@ struct StepState {
 template <class Exec>
 class Stepper {
   public:
-    Stepper(Exec& exec, const Model& model, const BlockPattern& pattern, const StepSettings& settings, const Vector3& gravity)
+    Stepper(Exec& exec,
+            const Model& model,
+            const BlockPattern& pattern,
+            const StepSettings& settings,
+            const Vector3& gravity)
         : exec_(exec),
           model_(model),
           settings_(settings),
@@ -63,8 +73,14 @@ class Stepper {
         report.outcome = solve(report);
         if (newton_.yielded()) judge_yield(report);
         if (report.outcome == Outcome::Converged) {
-            detail::advance(exec_, choice(), fixed_.view(), x_new_.view(), motion_.x.view(),
-                            motion_.v.view(), motion_.a.view(), motion_.x_prev.view(),
+            detail::advance(exec_,
+                            choice(),
+                            fixed_.view(),
+                            x_new_.view(),
+                            motion_.x.view(),
+                            motion_.v.view(),
+                            motion_.a.view(),
+                            motion_.x_prev.view(),
                             motion_.v_prev.view());
             ++steps_;
         } else {
@@ -89,7 +105,8 @@ class Stepper {
 
     void set_state(const StepState& state) {
         steps_ = state.steps;
-        newton_.set_kappa(settings_.contact.kappa > 0.0 ? settings_.contact.kappa : state.kappa);
+        newton_.set_kappa(settings_.contact.kappa > 0.0 ? settings_.contact.kappa
+                                                        : state.kappa);
         exec_.upload(state.x, motion_.x);
         exec_.upload(state.v, motion_.v);
         exec_.upload(state.a, motion_.a);
@@ -110,7 +127,10 @@ class Stepper {
     [[nodiscard]] IntegratorChoice choice() const {
         Integrator kind = settings_.solver.integrator;
         if (kind == Integrator::Bdf2 && steps_ == 0) kind = Integrator::ImplicitEuler;
-        return {kind, settings_.dt, settings_.solver.newmark_beta, settings_.solver.newmark_gamma};
+        return {kind,
+                settings_.dt,
+                settings_.solver.newmark_beta,
+                settings_.solver.newmark_gamma};
     }
 
     void begin(StepReport& report) {
@@ -118,27 +138,40 @@ class Stepper {
         exec_.upload(boundary_.prescribed, fixed_);
         exec_.upload(boundary_.target, target_);
         exec_.upload(boundary_.acceleration, a_ext_);
-        if (settings_.solver.integrator == Integrator::Newmark && steps_ == 0) start_acceleration();
+        if (settings_.solver.integrator == Integrator::Newmark && steps_ == 0)
+            start_acceleration();
 
         const IntegratorChoice how = choice();
-        detail::predict(exec_, how, motion_.x.view(), motion_.v.view(), motion_.a.view(),
-                        motion_.x_prev.view(), motion_.v_prev.view(), a_ext_.view(), x_tilde_.view());
-        const StepScales scales{.h_sq = how.h_sq(),
-                                .mass_damping = how.h_sq() * settings_.damping.mass / settings_.dt,
-                                .stiffness_damping = settings_.damping.stiffness / settings_.dt,
-                                .friction_eps = settings_.epsv * settings_.dt};
+        detail::predict(exec_,
+                        how,
+                        motion_.x.view(),
+                        motion_.v.view(),
+                        motion_.a.view(),
+                        motion_.x_prev.view(),
+                        motion_.v_prev.view(),
+                        a_ext_.view(),
+                        x_tilde_.view());
+        const StepScales scales{
+            .h_sq = how.h_sq(),
+            .mass_damping = how.h_sq() * settings_.damping.mass / settings_.dt,
+            .stiffness_damping = settings_.damping.stiffness / settings_.dt,
+            .friction_eps = settings_.epsv * settings_.dt};
         exec_.copy(View<const Vec3d>(motion_.x.view()), x_new_.view());
-        newton_.begin_step(scales, fixed_.view(), motion_.x.view(), x_tilde_.view(), report);
+        newton_.begin_step(
+            scales, fixed_.view(), motion_.x.view(), x_tilde_.view(), report);
     }
 
-    /// Minimises with lagged friction, as often as asked for or until nothing changes any more.
+    /// Minimises with lagged friction, as often as asked for or until nothing changes any
+    /// more.
     Outcome solve(StepReport& report) {
         const double tolerance = model_.tolerance(settings_.solver, steps_);
         const int asked = settings_.contact.friction_iterations;
-        const int limit = settings_.has_friction ? (asked > 0 ? asked : kMaxFrictionUpdates) : 1;
+        const int limit =
+            settings_.has_friction ? (asked > 0 ? asked : kMaxFrictionUpdates) : 1;
         for (int lag = 0;; ++lag) {
             const int before = report.newton;
-            const Outcome outcome = newton_.minimize(target_.view(), tolerance, x_new_.view(), report);
+            const Outcome outcome =
+                newton_.minimize(target_.view(), tolerance, x_new_.view(), report);
             report.friction_updates = settings_.has_friction ? lag + 1 : 0;
             if (outcome != Outcome::Converged) return outcome;
             const bool settled = asked == 0 && lag > 0 && report.newton - before == 1;
@@ -150,21 +183,29 @@ class Stepper {
     /// How far prescribed vertices stayed behind; too far is a blocked boundary.
     void judge_yield(StepReport& report) {
         const View<const std::uint8_t> fixed = fixed_.view();
-        report.boundary_yield = detail::max_distance(exec_, fixed, x_new_.view(), target_.view());
-        const double motion = detail::max_distance(exec_, fixed, motion_.x.view(), target_.view());
+        report.boundary_yield =
+            detail::max_distance(exec_, fixed, x_new_.view(), target_.view());
+        const double motion =
+            detail::max_distance(exec_, fixed, motion_.x.view(), target_.view());
         const double allowed = std::max(settings_.dhat, kYieldShare * motion);
-        if (report.boundary_yield <= allowed || report.outcome != Outcome::Converged) return;
+        if (report.boundary_yield <= allowed || report.outcome != Outcome::Converged)
+            return;
         report.outcome = Outcome::BoundaryBlocked;
-        report.message = "prescribed vertices stay " + std::to_string(report.boundary_yield)
-                         + " m short of their targets, more than the " + std::to_string(allowed)
-                         + " m that they may yield to contact; the motion runs into something";
+        report.message =
+            "prescribed vertices stay " + std::to_string(report.boundary_yield)
+            + " m short of their targets, more than the " + std::to_string(allowed)
+            + " m that they may yield to contact; the motion runs into something";
     }
 
     /// Newmark's first acceleration: a = a_ext - M^-1 grad Psi(x), contact left out.
     void start_acceleration() {
         newton_.objective().elastic_gradient_at(exec_, motion_.x.view(), x_tilde_.view());
-        detail::acceleration_from_forces(exec_, newton_.objective().device().mass.view(), fixed_.view(),
-                                         x_tilde_.view(), a_ext_.view(), motion_.a.view());
+        detail::acceleration_from_forces(exec_,
+                                         newton_.objective().device().mass.view(),
+                                         fixed_.view(),
+                                         x_tilde_.view(),
+                                         a_ext_.view(),
+                                         motion_.a.view());
     }
 
     Exec& exec_;

@@ -15,22 +15,23 @@ struct StiffnessRange {
     double low, high;
 };
 
-/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2, kappa_max = 100 kappa_min; m mean nodal mass,
-/// l scene diagonal. The curvature is that of r = 1 for every exponent: with r = 2 the rule would
-/// give a kappa 48 times softer, which costs Newton and PCG iterations
-/// (docs/decisions/004-stiffness-rule.md). Source: MATH 8.2.
+/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2, kappa_max = 100 kappa_min; m
+/// mean nodal mass, l scene diagonal. The curvature is that of r = 1 for every exponent:
+/// with r = 2 the rule would give a kappa 48 times softer, which costs Newton and PCG
+/// iterations (docs/decisions/004-stiffness-rule.md). Source: MATH 8.2.
 inline StiffnessRange stiffness_range(const StepSettings& settings) {
     const double l_sq = settings.diagonal * settings.diagonal;
     const double d0_sq = 1e-16 * l_sq;
     const double mass = settings.mean_mass > 0.0 ? settings.mean_mass : 1.0;
     const double dhat_sq = settings.dhat * settings.dhat;
     const double curvature = barrier(1, d0_sq, dhat_sq).d2;
-    const double low = settings.contact.kappa_min_multiplier * mass / (4.0 * d0_sq * curvature);
+    const double low =
+        settings.contact.kappa_min_multiplier * mass / (4.0 * d0_sq * curvature);
     return {low, 100.0 * low};
 }
 
-/// The stiffness that balances the barrier's gradient against all others at x, or `kappa` if the
-/// balance asks for none; clamped. Source: MATH 8.2.
+/// The stiffness that balances the barrier's gradient against all others at x, or `kappa`
+/// if the balance asks for none; clamped. Source: MATH 8.2.
 template <class Exec>
 double balanced_stiffness(Exec& exec,
                           Objective<Exec>& objective,

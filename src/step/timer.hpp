@@ -8,7 +8,9 @@ namespace noli {
 class PhaseTimer {
   public:
     explicit PhaseTimer(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
-    ~PhaseTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+    ~PhaseTimer() {
+        seconds_ += std::chrono::duration<double>(Clock::now() - start_).count();
+    }
     PhaseTimer(const PhaseTimer&) = delete;
     PhaseTimer& operator=(const PhaseTimer&) = delete;
 

@@ -8,7 +8,8 @@ namespace noli {
 namespace {
 
 const std::string& body_of(const Model& model, int vertex) {
-    return model.body_names[static_cast<std::size_t>(model.body[static_cast<std::size_t>(vertex)])];
+    return model.body_names[static_cast<std::size_t>(
+        model.body[static_cast<std::size_t>(vertex)])];
 }
 
 }  // namespace
@@ -16,7 +17,12 @@ const std::string& body_of(const Model& model, int vertex) {
 std::string describe_tet(const Model& model, int tet) {
     const std::size_t t = static_cast<std::size_t>(tet);
     const Int4& v = model.tets[t];
-    return fmt::format("tet {} ({} {} {} {}) of \"{}\"", model.tet_source[t], v[0], v[1], v[2], v[3],
+    return fmt::format("tet {} ({} {} {} {}) of \"{}\"",
+                       model.tet_source[t],
+                       v[0],
+                       v[1],
+                       v[2],
+                       v[3],
                        body_of(model, v[0]));
 }
 
@@ -24,32 +30,54 @@ std::string describe_bound(const Model& model, const StepBound& bound) {
     const Int4& v = bound.vertices;
     switch (bound.limit) {
         case StepBound::Limit::VertexTriangle:
-            return fmt::format("pair PT {} | {} {} {} of \"{}\" and \"{}\"", v[0], v[1], v[2], v[3],
-                               body_of(model, v[0]), body_of(model, v[1]));
+            return fmt::format("pair PT {} | {} {} {} of \"{}\" and \"{}\"",
+                               v[0],
+                               v[1],
+                               v[2],
+                               v[3],
+                               body_of(model, v[0]),
+                               body_of(model, v[1]));
         case StepBound::Limit::EdgeEdge:
-            return fmt::format("pair EE {} {} | {} {} of \"{}\" and \"{}\"", v[0], v[1], v[2], v[3],
-                               body_of(model, v[0]), body_of(model, v[2]));
+            return fmt::format("pair EE {} {} | {} {} of \"{}\" and \"{}\"",
+                               v[0],
+                               v[1],
+                               v[2],
+                               v[3],
+                               body_of(model, v[0]),
+                               body_of(model, v[2]));
         case StepBound::Limit::Plane:
-            return fmt::format("vertex {} of \"{}\" at half-space \"{}\"", v[0], body_of(model, v[0]),
+            return fmt::format("vertex {} of \"{}\" at half-space \"{}\"",
+                               v[0],
+                               body_of(model, v[0]),
                                model.planes[static_cast<std::size_t>(v[1])].name);
-        case StepBound::Limit::NotFinite: return "a position or direction that is not finite";
-        case StepBound::Limit::None: break;
+        case StepBound::Limit::NotFinite:
+            return "a position or direction that is not finite";
+        case StepBound::Limit::None:
+            break;
     }
     return "";
 }
 
 std::string describe_not_finite(double direction, double energy, int iteration) {
-    return fmt::format("not finite in Newton iteration {}: max |p| = {:g} m, energy = {:g}; look for "
-                       "degenerate elements, extreme stiffness contrasts or a time step that is too large",
-                       iteration, direction, energy);
+    return fmt::format(
+        "not finite in Newton iteration {}: max |p| = {:g} m, energy = {:g}; look for "
+        "degenerate elements, extreme stiffness contrasts or a time step that is too "
+        "large",
+        iteration,
+        direction,
+        energy);
 }
 
 std::string describe_failed_search(const IterationRecord& record) {
-    return fmt::format("the line search found no step along a direction of max |p| = {:g} m that lowers "
-                       "the energy ({} halvings from {:g}); step bound set by {}; the linear solution may "
-                       "be too inexact (solver.pcg_tolerance) or the system too badly conditioned",
-                       record.direction, record.halvings, record.step_bound,
-                       record.limiting.empty() ? "nothing" : record.limiting);
+    return fmt::format(
+        "the line search found no step along a direction of max |p| = {:g} m that lowers "
+        "the energy ({} halvings from {:g}); step bound set by {}; the linear solution "
+        "may "
+        "be too inexact (solver.pcg_tolerance) or the system too badly conditioned",
+        record.direction,
+        record.halvings,
+        record.step_bound,
+        record.limiting.empty() ? "nothing" : record.limiting);
 }
 
 void StallDetector::add(const IterationRecord& record) {
@@ -58,10 +86,14 @@ void StallDetector::add(const IterationRecord& record) {
 }
 
 std::string StallDetector::describe() const {
-    return fmt::format("last step length {:g}, max |p| = {:g} m, limited by {}, smallest gap {:g} m, "
-                       "kappa {:g}",
-                       last.step, last.direction, last.limiting.empty() ? "nothing" : last.limiting,
-                       last.min_gap, last.kappa);
+    return fmt::format(
+        "last step length {:g}, max |p| = {:g} m, limited by {}, smallest gap {:g} m, "
+        "kappa {:g}",
+        last.step,
+        last.direction,
+        last.limiting.empty() ? "nothing" : last.limiting,
+        last.min_gap,
+        last.kappa);
 }
 
 }  // namespace noli

@@ -20,7 +20,8 @@ std::string describe_bound(const Model& model, const StepBound& bound);
 std::string describe_not_finite(double direction, double energy, int iteration);
 std::string describe_failed_search(const IterationRecord& record);
 
-inline constexpr double kShortStepLength = 1e-4;  ///< step length that counts as no progress
+inline constexpr double kShortStepLength =
+    1e-4;  ///< step length that counts as no progress
 
 /// Counts iterations that make no progress, and remembers what limits them.
 struct StallDetector {

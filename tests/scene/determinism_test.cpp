@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The same bits for any number of threads, for every SIMD width, and across a stop and resume.
+/// The same bits for any number of threads, for every SIMD width, and across a stop and
+/// resume.
 
 #include "scene_support.hpp"
 
@@ -11,7 +12,8 @@ Scene pile() {
     scene.name = "pile";
     scene.dt = 0.02;
     for (int k = 0; k < 4; ++k) {
-        Body body = generated("ball" + std::to_string(k), k % 2 == 0 ? "sphere" : "torus",
+        Body body = generated("ball" + std::to_string(k),
+                              k % 2 == 0 ? "sphere" : "torus",
                               {{"edge_length", {k % 2 == 0 ? 0.16 : 0.1}}});
         body.transform = placed(0.07 * k, 0.55 + 0.75 * k, 0.05 * (k % 3));
         body.friction = 0.4;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Oracles from mechanics: what a simulator of elastic bodies must get right, in closed form.
+/// Oracles from mechanics: what a simulator of elastic bodies must get right, in closed
+/// form.
 
 #include "scene_support.hpp"
 
@@ -26,7 +27,8 @@ TEST(FreeFall, ImplicitEulerFollowsItsClosedForm) {
     EXPECT_NEAR(before[1] - mean(simulator.positions())[1], drop, 1e-9 * drop);
 }
 
-/// A stiff block on a plane tilted so that tan(angle) = 0.5, through the direction of gravity.
+/// A stiff block on a plane tilted so that tan(angle) = 0.5, through the direction of
+/// gravity.
 Scene slope(double mu) {
     Scene scene;
     scene.name = "slope";
@@ -58,17 +60,20 @@ double late_speed(Simulator& simulator, const Vector3& along, int steps) {
 }
 
 TEST(Slope, SticksJustAboveTheCriticalCoefficient) {
-    // One percent above tan(angle): the block that lands sliding must come to rest, creeping below epsv.
+    // One percent above tan(angle): the block that lands sliding must come to rest,
+    // creeping below epsv.
     Simulator simulator = start(slope(0.505), checked_options());
     run_clean(simulator, 60);
     EXPECT_LE(std::abs(late_speed(simulator, {1, 0, 0}, 40)), simulator.resolved().epsv);
 }
 
 TEST(Slope, SticksAtTheCriticalCoefficient) {
-    // At tan(angle) = mu itself friction only just holds a block and never slows a sliding one, so the
-    // outcome depends on the landing; this is the field's own test of it.
-    const std::string path = std::string(NOLI_SHARED_DIR)
-                             + "/ipc-scenes/input/otherExamples/friction/slopeTest_highSchoolPhysics_0.5.txt";
+    // At tan(angle) = mu itself friction only just holds a block and never slows a
+    // sliding one, so the outcome depends on the landing; this is the field's own test of
+    // it.
+    const std::string path =
+        std::string(NOLI_SHARED_DIR)
+        + "/ipc-scenes/input/otherExamples/friction/slopeTest_highSchoolPhysics_0.5.txt";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
     Result<Scene> scene = read_scene(path);
     ASSERT_TRUE(bool(scene)) << scene.error().message;
@@ -76,7 +81,8 @@ TEST(Slope, SticksAtTheCriticalCoefficient) {
     Simulator simulator = start(scene.value(), checked_options());
     run_clean(simulator, 20);
     const double unit = 1.0 / std::sqrt(5.0);
-    EXPECT_LE(std::abs(late_speed(simulator, {2 * unit, -unit, 0}, 80)), 1.01 * simulator.resolved().epsv);
+    EXPECT_LE(std::abs(late_speed(simulator, {2 * unit, -unit, 0}, 80)),
+              1.01 * simulator.resolved().epsv);
 }
 
 TEST(Slope, SlidesBelowItWithTheAnalyticAcceleration) {
@@ -102,7 +108,9 @@ TEST(Coulomb, SlidingBlockDeceleratesAtMuG) {
     EXPECT_NEAR(deceleration, 0.3 * kGravity, 0.01 * 0.3 * kGravity);
 }
 
-Vector3 cross_sum(const std::span<const double> mass, const std::vector<Vector3>& x, const std::vector<Vector3>& v) {
+Vector3 cross_sum(const std::span<const double> mass,
+                  const std::vector<Vector3>& x,
+                  const std::vector<Vector3>& v) {
     Vector3 sum{};
     for (std::size_t i = 0; i < x.size(); ++i) {
         sum[0] += mass[i] * (x[i][1] * v[i][2] - x[i][2] * v[i][1]);
@@ -112,7 +120,9 @@ Vector3 cross_sum(const std::span<const double> mass, const std::vector<Vector3>
     return sum;
 }
 
-double size(const Vector3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+double size(const Vector3& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
 
 /// Two balls meet off centre, without friction and gravity.
 Scene free_collision() {
@@ -143,9 +153,9 @@ TEST(Collision, ConservesLinearMomentum) {
 }
 
 TEST(Collision, ForcesExertNoTorque) {
-    // Implicit Euler itself loses angular momentum: L' - L = dt sum m v' x v + torque. What the
-    // forces must do exactly is exert no torque about any point at the end of the step:
-    // sum m x' x (v' - v) = 0.
+    // Implicit Euler itself loses angular momentum: L' - L = dt sum m v' x v + torque.
+    // What the forces must do exactly is exert no torque about any point at the end of
+    // the step: sum m x' x (v' - v) = 0.
     Simulator simulator = start(free_collision(), checked_options());
     const double scale = size(simulator.balance().angular);
     for (int k = 0; k < 40; ++k) {
@@ -155,7 +165,10 @@ TEST(Collision, ForcesExertNoTorque) {
         for (std::size_t i = 0; i < v0.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c)
                 change[i][c] -= v0[i][c];
-        EXPECT_LE(size(cross_sum(simulator.topology().mass, simulator.positions(), change)), 1e-9 * scale) << "step " << k;
+        EXPECT_LE(
+            size(cross_sum(simulator.topology().mass, simulator.positions(), change)),
+            1e-9 * scale)
+            << "step " << k;
     }
 }
 
@@ -183,16 +196,18 @@ TEST(Energy, NeverGrowsWithoutWork) {
     }
 }
 
-/// Tip deflection of a clamped bar under its own weight, at rest (large time steps damp it).
+/// Tip deflection of a clamped bar under its own weight, at rest (large time steps damp
+/// it).
 double sag(int nx, int ny) {
     Scene scene;
     scene.name = "bar";
     scene.dt = 0.5;
     scene.solver.tolerance = 1e-6;
     scene.solver.pcg_tolerance = 1e-10;
-    Body bar = generated("bar", "box",
-                         {{"size", {1.0, 0.1, 0.1}},
-                          {"cells", {double(nx), double(ny), double(ny)}}});
+    Body bar = generated(
+        "bar",
+        "box",
+        {{"size", {1.0, 0.1, 0.1}}, {"cells", {double(nx), double(ny), double(ny)}}});
     bar.material.young = 1e8;
     bar.material.poisson = 0.0;
     BoundaryCondition clamp = fixed_everywhere();
@@ -216,7 +231,8 @@ double sag(int nx, int ny) {
 }
 
 TEST(Beam, SagApproachesBeamTheoryUnderRefinement) {
-    // Euler-Bernoulli: w = q L^4 / (8 E I), q = rho A g, I = h^4 / 12, plus shear 1.2 q L^2 / (2 G A).
+    // Euler-Bernoulli: w = q L^4 / (8 E I), q = rho A g, I = h^4 / 12, plus shear 1.2 q
+    // L^2 / (2 G A).
     const double area = 0.01;
     const double q = 1000 * area * kGravity;
     const double inertia = std::pow(0.1, 4) / 12.0;
@@ -263,7 +279,8 @@ double distance(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
     return std::sqrt(sum);
 }
 
-/// Observed order from three step sizes by Richardson: log2(|x_h - x_h/2| / |x_h/2 - x_h/4|).
+/// Observed order from three step sizes by Richardson: log2(|x_h - x_h/2| / |x_h/2 -
+/// x_h/4|).
 double observed_order(Integrator integrator, double dt) {
     const auto coarse = vibrate(integrator, dt);
     const auto middle = vibrate(integrator, dt / 2);
@@ -274,7 +291,9 @@ double observed_order(Integrator integrator, double dt) {
 TEST(Integrators, ImplicitEulerIsFirstOrder) {
     EXPECT_NEAR(observed_order(Integrator::ImplicitEuler, 0.001), 1.0, 0.15);
 }
-TEST(Integrators, Bdf2IsSecondOrder) { EXPECT_NEAR(observed_order(Integrator::Bdf2, 0.001), 2.0, 0.25); }
+TEST(Integrators, Bdf2IsSecondOrder) {
+    EXPECT_NEAR(observed_order(Integrator::Bdf2, 0.001), 2.0, 0.25);
+}
 TEST(Integrators, NewmarkIsSecondOrder) {
     EXPECT_NEAR(observed_order(Integrator::Newmark, 0.001), 2.0, 0.25);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// What scene tests share: small scenes in code, and the invariants that every step must keep.
+/// What scene tests share: small scenes in code, and the invariants that every step must
+/// keep.
 
 #include "noli/simulator.hpp"
 
@@ -30,7 +31,9 @@ inline std::string scratch_folder(const std::string& name) {
 }
 
 /// A body whose mesh is given by its tets, through a file as a user's would be.
-inline Body body_of_tets(const std::string& folder, const std::string& name, const std::vector<Vec3d>& x,
+inline Body body_of_tets(const std::string& folder,
+                         const std::string& name,
+                         const std::vector<Vec3d>& x,
                          const std::vector<Int4>& tets) {
     Body body;
     body.name = name;
@@ -44,8 +47,10 @@ inline Body body_of_tets(const std::string& folder, const std::string& name, con
     return body;
 }
 
-inline Body generated(const std::string& name, const std::string& generator,
-                      std::vector<std::pair<std::string, std::vector<double>>> parameters = {}) {
+inline Body generated(
+    const std::string& name,
+    const std::string& generator,
+    std::vector<std::pair<std::string, std::vector<double>>> parameters = {}) {
     Body body;
     body.name = name;
     body.mesh.generator = generator;
@@ -82,16 +87,19 @@ inline Simulator start(const Scene& scene, const SimulatorOptions& options) {
     return std::move(made.value());
 }
 
-/// No intersection, no inversion, a positive gap, converged, and an energy that never rises in a
-/// line search (but where prescribed vertices move, and within the recorded rounding).
+/// No intersection, no inversion, a positive gap, converged, and an energy that never
+/// rises in a line search (but where prescribed vertices move, and within the recorded
+/// rounding).
 inline void expect_clean(const StepReport& report) {
-    EXPECT_EQ(report.outcome, Outcome::Converged) << "step " << report.step << ": " << report.message;
+    EXPECT_EQ(report.outcome, Outcome::Converged)
+        << "step " << report.step << ": " << report.message;
     EXPECT_EQ(report.intersections, 0) << "step " << report.step;
     EXPECT_EQ(report.inversions, 0) << "step " << report.step;
     EXPECT_GT(report.min_gap, 0.0) << "step " << report.step;
     for (const IterationRecord& it : report.iterations) {
         if (it.boundary_moved || it.noise_accepted) continue;
-        EXPECT_LE(it.energy_after, it.energy) << "step " << report.step << " iteration " << it.iteration;
+        EXPECT_LE(it.energy_after, it.energy)
+            << "step " << report.step << " iteration " << it.iteration;
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Unit tests of the supplement's section 7: one tetrahedron falls on another so that exactly one
-/// kind of contact decides (Fig. 6), and conforming or sharp pairs (Fig. 7).
+/// Unit tests of the supplement's section 7: one tetrahedron falls on another so that
+/// exactly one kind of contact decides (Fig. 6), and conforming or sharp pairs (Fig. 7).
 
 #include "scene_support.hpp"
 
@@ -10,7 +10,9 @@ namespace {
 const std::vector<Int4> kOneTet{{{0, 1, 2, 3}}};
 
 /// `below` is held, `above` falls on it from a small height.
-Scene two_tets(const std::string& name, const std::vector<Vec3d>& below, const std::vector<Vec3d>& above) {
+Scene two_tets(const std::string& name,
+               const std::vector<Vec3d>& below,
+               const std::vector<Vec3d>& above) {
     const std::string folder = scratch_folder("fig6_" + name);
     Scene scene;
     scene.name = name;
@@ -33,15 +35,21 @@ void expect_contact_without_intersection(const Scene& scene, int steps = 60) {
 
 // A tetrahedron with a horizontal top face at y = 0, another with its tip down.
 const std::vector<Vec3d> kTopFace{{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}, {0, -1, 0}};
-const std::vector<Vec3d> kTipDown{{0.05, 0.05, -0.1}, {-0.4, 0.8, -0.4}, {0.6, 0.8, -0.4}, {0.1, 0.8, 0.5}};
+const std::vector<Vec3d> kTipDown{
+    {0.05, 0.05, -0.1}, {-0.4, 0.8, -0.4}, {0.6, 0.8, -0.4}, {0.1, 0.8, 0.5}};
 // A tetrahedron with a horizontal top edge along x at y = 0.
 const std::vector<Vec3d> kTopEdgeX{{-1, 0, 0}, {1, 0, 0}, {0, -1, -0.7}, {0, -1, 0.7}};
 // Bottom edges along z and along x.
-const std::vector<Vec3d> kBottomEdgeZ{{0.1, 0.05, -1}, {0.1, 0.05, 1}, {-0.6, 1, 0}, {0.8, 1, 0}};
-const std::vector<Vec3d> kBottomEdgeX{{-0.8, 0.05, 0.0}, {0.9, 0.05, 0.0}, {0.05, 1, -0.7}, {0.05, 1, 0.7}};
-const std::vector<Vec3d> kTipOverEdge{{0.1, 0.05, 0.0}, {-0.4, 0.8, -0.4}, {0.6, 0.8, -0.4}, {0.1, 0.8, 0.5}};
-const std::vector<Vec3d> kTipUp{{0, 0, 0}, {-0.5, -0.8, -0.5}, {0.5, -0.8, -0.5}, {0, -0.8, 0.6}};
-const std::vector<Vec3d> kTipOverTip{{0, 0.05, 0}, {-0.5, 0.85, -0.5}, {0.5, 0.85, -0.5}, {0, 0.85, 0.6}};
+const std::vector<Vec3d> kBottomEdgeZ{
+    {0.1, 0.05, -1}, {0.1, 0.05, 1}, {-0.6, 1, 0}, {0.8, 1, 0}};
+const std::vector<Vec3d> kBottomEdgeX{
+    {-0.8, 0.05, 0.0}, {0.9, 0.05, 0.0}, {0.05, 1, -0.7}, {0.05, 1, 0.7}};
+const std::vector<Vec3d> kTipOverEdge{
+    {0.1, 0.05, 0.0}, {-0.4, 0.8, -0.4}, {0.6, 0.8, -0.4}, {0.1, 0.8, 0.5}};
+const std::vector<Vec3d> kTipUp{
+    {0, 0, 0}, {-0.5, -0.8, -0.5}, {0.5, -0.8, -0.5}, {0, -0.8, 0.6}};
+const std::vector<Vec3d> kTipOverTip{
+    {0, 0.05, 0}, {-0.5, 0.85, -0.5}, {0.5, 0.85, -0.5}, {0, 0.85, 0.6}};
 
 TEST(SupplementFig6, PointOnTriangle) {
     expect_contact_without_intersection(two_tets("pt", kTopFace, kTipDown));
@@ -82,7 +90,9 @@ TEST(SupplementFig7, CubesThatStartVeryClose) {
 TEST(SupplementFig7, ShiftedCubesWithParallelEdges) {
     expect_contact_without_intersection(two_cubes(0.25, 0.02));
 }
-TEST(SupplementFig7, SmallCubeOnLargeFace) { expect_contact_without_intersection(two_cubes(0.1, 0.02, 0.5)); }
+TEST(SupplementFig7, SmallCubeOnLargeFace) {
+    expect_contact_without_intersection(two_cubes(0.1, 0.02, 0.5));
+}
 
 TEST(SupplementFig7, SharpOnSharpStaysApartWhenPressed) {
     // Two tips driven against each other at 5 m/s, slightly off centre.
