@@ -29,7 +29,7 @@ build: $(BUILD)/build.ninja
 demo: build
 	@$(BUILD)/noli run scenes/demo.json -o out/demo --overwrite
 	@echo
-	@echo "Results: out/demo (frames/frames.pvd opens in ParaView; stats.csv has one row per step)"
+	@echo "Results: out/demo (frames.pvd opens in ParaView; stats.csv has one row per step)"
 
 test: $(BUILD)/build.ninja
 	@cmake --build --preset $(PRESET) -j $(JOBS)

@@ -33,7 +33,7 @@ NOLI_HD inline Vec3d max_of(const Vec3d& a, const Vec3d& b) {
 
 /// The box without points: merging it with a box gives that box.
 NOLI_HD inline Aabb empty_aabb() {
-    return {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    return {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
 }
 
 NOLI_HD inline bool is_empty(const Aabb& box) {

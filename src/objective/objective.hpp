@@ -250,8 +250,8 @@ class Objective {
     [[nodiscard]] View<const Vec3d> gradient() const { return gradient_.view(); }
     BlockMatrix<Exec>& matrix() { return matrix_; }
     LowRankTerms<Exec>& terms() { return terms_; }
-    const DeviceModel<Exec>& device() const { return device_; }
-    const StepScales& scales() const { return scales_; }
+    [[nodiscard]] const DeviceModel<Exec>& device() const { return device_; }
+    [[nodiscard]] const StepScales& scales() const { return scales_; }
     [[nodiscard]] int num_friction_terms() const { return friction_.size(); }
 
     /// Minus the barrier and friction gradients per vertex over h^2: contact forces, N.

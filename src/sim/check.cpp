@@ -33,7 +33,7 @@ class Checker {
   public:
     Checker(const Scene& scene, const Model& model) : scene_(scene), model_(model) {}
 
-    CheckReport run(std::vector<SceneWarning> warnings) {
+    CheckReport run(const std::vector<SceneWarning>& warnings) {
         for (const SceneWarning& warning : warnings)
             add(Finding::Severity::Warning, warning.where, warning.message);
         fill_resolved();
@@ -161,7 +161,7 @@ Result<CheckReport> check_scene(const Scene& scene, const std::string& mark_fold
     std::vector<SceneWarning> warnings;
     Result<Model> model = build_model(scene, &warnings);
     if (!model) return model.error();
-    CheckReport report = Checker(scene, model.value()).run(std::move(warnings));
+    CheckReport report = Checker(scene, model.value()).run(warnings);
     if (report.intersections.num_intersections > 0 && !mark_folder.empty()) {
         const std::string path =
             (std::filesystem::path(mark_folder) / "intersections.ply").string();

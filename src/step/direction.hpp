@@ -99,7 +99,7 @@ class DirectionSolver {
                                 objective.gradient(),
                                 View<const Vec3d>(pushed_.view()),
                                 rhs_.view());
-        const DirectionResult result =
+        DirectionResult result =
             settings.linear == LinearSolver::Cholmod
                 ? solve_cholmod(exec, objective, fixed, p)
                 : solve_pcg(exec, objective, fixed, settings, pcg_tolerance, p.view());

@@ -112,8 +112,8 @@ class Newton {
 
     Objective<Exec>& objective() { return objective_; }
     Collision<Exec>& collision() { return collision_; }
-    const PairSet<Exec>& pairs() const { return pairs_; }
-    const ContactLaw& law() const { return law_; }
+    [[nodiscard]] const PairSet<Exec>& pairs() const { return pairs_; }
+    [[nodiscard]] const ContactLaw& law() const { return law_; }
     /// True if prescribed vertices had to yield in this step.
     [[nodiscard]] bool yielded() const { return yielded_; }
     void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
@@ -190,7 +190,7 @@ class Newton {
 
     DirectionResult solve_direction(IterationRecord& record, StepReport& report) {
         const PhaseTimer timer(report.t_solve);
-        const DirectionResult solved = direction_.solve(
+        DirectionResult solved = direction_.solve(
             exec_,
             objective_,
             fixed_,

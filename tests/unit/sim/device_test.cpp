@@ -149,7 +149,7 @@ class DeviceLikeExec {
     }
 
   private:
-    SerialExec host_;
+    ShuffledExec host_;  // kernels run in a scrambled order: results must not depend on it
 };
 
 /// A box that lands askew on another one, which stands on a slope: all kinds of pairs,
