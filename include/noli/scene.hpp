@@ -28,9 +28,9 @@ struct Affine {
 struct Material {
     enum class Model { StableNeoHookean, NeoHookean, FixedCorotated };
     Model model = Model::NeoHookean;  ///< its log term keeps elements from inverting
-    double density = 1000.0;  ///< kg/m^3, > 0
-    double young = 1e5;       ///< Young's modulus, Pa, > 0
-    double poisson = 0.4;     ///< Poisson's ratio, in (-1, 0.5)
+    double density = 1000.0;          ///< kg/m^3, > 0
+    double young = 1e5;               ///< Young's modulus, Pa, > 0
+    double poisson = 0.4;             ///< Poisson's ratio, in (-1, 0.5)
     bool gipc_lame =
         false;  ///< StableNeoHookean only: the Lame mapping of the authors' program
 };

@@ -149,7 +149,8 @@ class DeviceLikeExec {
     }
 
   private:
-    ShuffledExec host_;  // kernels run in a scrambled order: results must not depend on it
+    ShuffledExec
+        host_;  // kernels run in a scrambled order: results must not depend on it
 };
 
 /// A box that lands askew on another one, which stands on a slope: all kinds of pairs,
