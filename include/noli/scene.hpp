@@ -137,7 +137,9 @@ struct ContactPairRule {
     std::optional<bool> enabled;
 };
 
-enum class ContactModel { Gn, GnPlus, Exact };
+/// Whose contact model: the barrier, its Hessian and its projection as one choice.
+enum class ContactFormulation { Gipc, Ipc };
+enum class ContactModel { Gn, GnPlus, Exact, Numeric };
 enum class MollifierModel { TwoMode, FourMode, Exact };
 enum class Integrator { ImplicitEuler, Bdf2, Newmark };
 enum class LinearSolver { Pcg, Cholmod };
@@ -148,6 +150,9 @@ struct ContactSettings {
     double dhat =
         1e-3;  ///< activation distance; relative to the scene's diagonal unless absolute
     bool dhat_absolute = false;
+    /// Ipc is [Li2020]: exponent 1, full Hessians projected numerically; the next three
+    /// are then not read.
+    ContactFormulation model = ContactFormulation::Gipc;
     int barrier_exponent = 2;  ///< r of MATH 1.2: 1 or 2
     ContactModel hessian = ContactModel::GnPlus;
     MollifierModel mollifier = MollifierModel::FourMode;
@@ -158,6 +163,8 @@ struct ContactSettings {
     bool epsv_absolute = false;
     int friction_iterations = 1;  ///< lag updates per step; 0 = until convergence
     double min_separation = 0.0;  ///< m, kept by the collision step bound
+    /// After several short steps move the solve to a stronger contact Hessian.
+    bool strengthen = true;
     std::vector<ContactPairRule> pairs;
 };
 
@@ -172,6 +179,8 @@ struct SolverSettings {
     double newmark_gamma = 0.5;
     double tolerance =
         1e-2;  ///< Newton: stop at max|p| < tolerance * diagonal * dt (relative)
+    /// If > 0, Newton stops at max|g| <= gradient_tolerance * diagonal * dt^2 instead.
+    double gradient_tolerance = 0.0;
     bool tolerance_absolute = false;  ///< then max|p| < tolerance * dt, tolerance in m/s
     std::vector<double>
         tolerance_per_step;  ///< overrides `tolerance` for step k; the last one repeats

@@ -82,6 +82,8 @@ struct StepReport {
     double wall_s = 0.0;
     double t_pairs = 0, t_assemble = 0, t_solve = 0, t_ccd = 0, t_search = 0,
            t_output = 0;  ///< s
+    /// Parts of t_assemble: gradients and projected Hessians of these energies, s.
+    double t_elastic = 0, t_barrier = 0, t_friction = 0;
     double peak_mb = 0.0;
     std::vector<IterationRecord> iterations;
 };

@@ -206,9 +206,11 @@ class IntersectionCheck {
         for (const int vertex : host_.vertices) {
             if (!std::isfinite(norm_sq(x[vertex]))) found.not_finite.push_back(vertex);
             for (int k = 0; k < m.planes.size && !m.kinematic[vertex]; ++k) {
-                const double distance = plane_distance(m.planes[k], x[vertex]);
-                if (m.plane_collides(k, vertex) && !(distance > 0.0))
-                    found.vertex_plane.push_back({vertex, k, distance});
+                const CollisionMesh::Plane& plane = m.planes[k];
+                if (!m.plane_collides(k, vertex)) continue;
+                if (plane_side(x[vertex], plane.normal, plane.offset) <= 0)
+                    found.vertex_plane.push_back(
+                        {vertex, k, plane_distance(plane, x[vertex])});
             }
         }
     }

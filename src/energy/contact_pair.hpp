@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Energy, gradient and three PSD Hessians of one unmollified contact pair (PP, PE, PT,
+/// Energy, gradient and four PSD Hessians of one unmollified contact pair (PP, PE, PT,
 /// EE).
 ///
 ///     E = kappa b(d^2),   dE/dx_i = kappa b_d w_i n,   b_d = 2 d b_D
@@ -13,14 +13,16 @@
 ///                  part lies in span{w, W} (x) n + w (x) {t_i}, of dimension 1, 3, 5 for
 ///                  PP, PE, PT/EE, so an eigenproblem of that size gives the same matrix
 ///                  as one of size 3 S.
+/// Numeric          the same from the full 3 S x 3 S matrix (numeric_hessian.hpp).
 ///
-/// All three have at most 1, 2, 3 positive modes for PP, PE, PT/EE: b_d hess d has k
+/// All have at most 1, 2, 3 positive modes for PP, PE, PT/EE: b_d hess d has k
 /// positive eigenvalues (k closest-point parameters) and the rank-one term can add at
 /// most one.
 
 #include "core/stencil.hpp"
 #include "energy/barrier.hpp"
 #include "energy/contact_frame.hpp"
+#include "energy/numeric_hessian.hpp"
 #include "energy/small_eigen.hpp"
 
 #include <cstdint>
@@ -28,7 +30,7 @@
 namespace noli {
 
 /// Which PSD model of a pair's Hessian to build.
-enum class ContactHessian : std::uint8_t { GaussNewton, GaussNewtonPlus, Exact };
+enum class ContactHessian : std::uint8_t { GaussNewton, GaussNewtonPlus, Exact, Numeric };
 
 /// What all barrier terms share.
 struct BarrierParams {
@@ -36,6 +38,7 @@ struct BarrierParams {
     double kappa;          ///< stiffness, J/m^4; > 0
     int exponent;          ///< r of the barrier, 1 or 2
     double curvature_cap;  ///< g_c of barrier_curvature, 0 disables; not used by Exact
+                           ///< and Numeric
 };
 
 /// Largest number of modes that pair_hessian writes for a pair on S points.
@@ -240,7 +243,7 @@ NOLI_HD inline void append_exact_modes(PairKind kind,
 
 /// PSD Hessian of a pair as at most kPairModes<S> modes q, H = sum_k q_k q_k^T, N/m.
 ///
-/// Source:  MATH 2.1 (GaussNewton), 2.5 (GaussNewtonPlus, Exact)
+/// Source:  MATH 2.1 (GaussNewton), 2.5 (GaussNewtonPlus, Exact, Numeric)
 /// Valid:   d > 0; finite for collapsed edges and triangles (their tangents are dropped)
 /// Smooth:  zero from d = dhat on. GaussNewton is continuous where the kind changes; the
 ///          others jump there, as hess d does
@@ -263,6 +266,10 @@ NOLI_HD inline StencilModes<S, kPairModes<S>> pair_hessian(ContactHessian model,
     }
     const BarrierJet b =
         barrier(params.exponent, frame.d * frame.d, params.dhat * params.dhat);
+    if (model == ContactHessian::Numeric) {
+        append_numeric_modes(frame, b, params.kappa, out);
+        return out;
+    }
     detail::append_gauss_newton_mode<S>(frame.d, frame.n, frame.w, params, out);
     detail::append_curvature_modes(frame, -params.kappa * b.d1, out);
     return out;

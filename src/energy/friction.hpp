@@ -127,6 +127,21 @@ NOLI_HD inline double friction_energy(const FrictionBasis<S>& basis,
     return mu * basis.normal_force * friction_law(detail::hypot2(u.x, u.y), eps).f0;
 }
 
+/// How far a Newton direction is from having settled this pair's friction: |du| over
+/// max(eps, |u|), du and u the tangential displacements of the direction and since the
+/// step's start. Of order 1: it cannot be told yet whether the pair sticks.
+/// In:      direction  p_i, m
+template <int S>
+NOLI_HD inline double friction_unrest(const FrictionBasis<S>& basis,
+                                      const Stencil<S>& moved,
+                                      const Stencil<S>& direction,
+                                      double eps) {
+    const Vec2d u = detail::tangential_displacement(basis, moved);
+    const Vec2d du = detail::tangential_displacement(basis, direction);
+    const double size = detail::hypot2(u.x, u.y);
+    return detail::hypot2(du.x, du.y) / (size > eps ? size : eps);
+}
+
 /// mu lambda_N (f1 / |u|) w_i B u, N. Source: MATH 5.
 template <int S>
 NOLI_HD inline StencilGradient<S> friction_gradient(const FrictionBasis<S>& basis,

@@ -15,6 +15,7 @@
 /// invariance: the blocks of a row add up to zero.
 
 #include "core/vec.hpp"
+#include "energy/crush.hpp"
 #include "energy/elastic.hpp"
 #include "energy/elastic_spectrum.hpp"
 #include "energy/svd3.hpp"
@@ -158,12 +159,17 @@ NOLI_HD inline Mat3<T> minus_symmetric_sum(const Mat3<T>& a,
             -(a.a[8] + b.a[8] + c.a[8])};
 }
 
-template <ElasticModel M, class T>
+template <ElasticModel M, bool kResist, class T>
 NOLI_HD inline TetHessian<T> tet_hessian(const TetShape<T>& tet,
                                          const Svd3<T>& svd,
                                          const LameParameters<T>& lame,
                                          bool project) {
     ElasticSpectrum<T> spectrum = elastic_spectrum<M>(svd.sigma, lame);
+    if constexpr (kResist && may_invert(M)) {
+        const T J = svd.sigma.x * svd.sigma.y * svd.sigma.z;
+        if (any(J < T(kCrushVolume)))
+            add_crush(crush_barrier(J, lame), svd.sigma, spectrum);
+    }
     if (project) spectrum = positive_part(spectrum);
     const BlockCoefficients<T> c = block_coefficients(spectrum, tet.weight);
 
@@ -204,32 +210,62 @@ NOLI_HD inline TetGradient<T> tet_gradient(const TetShape<T>& tet,
 
 }  // namespace detail
 
-/// weight * energy density.
-template <ElasticModel M, class T>
+namespace detail {
+
+template <ElasticModel M, bool kResist, class T>
+NOLI_HD inline void add_crush_energy(const Mat3<T>& F,
+                                     const LameParameters<T>& lame,
+                                     T& energy) {
+    if constexpr (kResist && may_invert(M)) {
+        const T J = det(F);
+        if (any(J < T(kCrushVolume))) energy += crush_barrier(J, lame).energy;
+    }
+}
+
+template <ElasticModel M, bool kResist, class T>
+NOLI_HD inline void add_crush_stress(const Mat3<T>& F,
+                                     const LameParameters<T>& lame,
+                                     Mat3<T>& stress) {
+    if constexpr (kResist && may_invert(M)) {
+        const T J = det(F);
+        if (any(J < T(kCrushVolume)))
+            stress = combine(T(1.0), stress, crush_barrier(J, lame).d1, cofactor(F));
+    }
+}
+
+}  // namespace detail
+
+/// weight * energy density; with kResist that of crush.hpp is part of it, here and below.
+template <ElasticModel M, bool kResist = false, class T>
 NOLI_HD inline T tet_energy(const TetShape<T>& tet, const LameParameters<T>& lame) {
-    return tet.weight * elastic_energy<M>(deformation_gradient(tet.x, tet.dm_inv), lame);
+    const Mat3<T> F = deformation_gradient(tet.x, tet.dm_inv);
+    T energy = elastic_energy<M>(F, lame);
+    detail::add_crush_energy<M, kResist>(F, lame, energy);
+    return tet.weight * energy;
 }
 
 /// Gradient of tet_energy.
-template <ElasticModel M, class T>
+template <ElasticModel M, bool kResist = false, class T>
 NOLI_HD inline TetGradient<T> tet_gradient(const TetShape<T>& tet,
                                            const LameParameters<T>& lame) {
-    return detail::tet_gradient(
-        tet, elastic_stress<M>(deformation_gradient(tet.x, tet.dm_inv), lame));
+    const Mat3<T> F = deformation_gradient(tet.x, tet.dm_inv);
+    Mat3<T> stress = elastic_stress<M>(F, lame);
+    detail::add_crush_stress<M, kResist>(F, lame, stress);
+    return detail::tet_gradient(tet, stress);
 }
 
 /// Hessian of tet_energy; with `project` its nearest positive semi-definite form in
 /// F-space, without it the exact one.
-template <ElasticModel M, class T>
+template <ElasticModel M, bool kResist = false, class T>
 NOLI_HD inline TetHessian<T> tet_hessian(const TetShape<T>& tet,
                                          const LameParameters<T>& lame,
                                          bool project = true) {
-    return detail::tet_hessian<M>(
+    return detail::tet_hessian<M, kResist>(
         tet, svd3(deformation_gradient(tet.x, tet.dm_inv)), lame, project);
 }
 
 /// All three at once; bitwise equal to the separate functions.
-template <ElasticModel M, class T>
+template <ElasticModel M, bool kResist = false, class T>
 NOLI_HD inline TetDerivatives<T> tet_derivatives(const TetShape<T>& tet,
                                                  const LameParameters<T>& lame,
                                                  bool project = true) {
@@ -237,9 +273,13 @@ NOLI_HD inline TetDerivatives<T> tet_derivatives(const TetShape<T>& tet,
     const Svd3<T> svd = svd3(F);
     Mat3<T> rotation{};
     if constexpr (detail::kNeedsSvd<M>) rotation = detail::rotation_of(svd);
-    return {tet.weight * detail::energy_density<M>(F, svd.sigma, lame),
-            detail::tet_gradient(tet, detail::stress<M>(F, rotation, lame)),
-            detail::tet_hessian<M>(tet, svd, lame, project)};
+    T energy = detail::energy_density<M>(F, svd.sigma, lame);
+    detail::add_crush_energy<M, kResist>(F, lame, energy);
+    Mat3<T> stress = detail::stress<M>(F, rotation, lame);
+    detail::add_crush_stress<M, kResist>(F, lame, stress);
+    return {tet.weight * energy,
+            detail::tet_gradient(tet, stress),
+            detail::tet_hessian<M, kResist>(tet, svd, lame, project)};
 }
 
 }  // namespace noli

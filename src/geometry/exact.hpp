@@ -170,4 +170,25 @@ NOLI_HD inline bool segment_intersects_triangle(
     return !(any_plus && any_minus);
 }
 
+/// Which side of the plane { y : normal . y = offset } the point is on, as the sign of
+/// normal . p - offset for the given doubles; the normal need not be of unit length.
+NOLI_HD inline int plane_side(const Vec3d& p, const Vec3d& normal, double offset) {
+    using detail::make_expansion;
+    using detail::two_prod;
+    const double terms[4] = {normal.x * p.x, normal.y * p.y, normal.z * p.z, -offset};
+    const double rough = terms[0] + terms[1] + terms[2] + terms[3];
+    double size = 0.0;
+    for (const double term : terms)
+        size += std::fabs(term);
+    if (std::fabs(rough) > 8.0 * detail::kUnitRoundoff * size)
+        return rough > 0.0 ? 1 : -1;
+    const auto xy = sum(make_expansion(two_prod(normal.x, p.x)),
+                        make_expansion(two_prod(normal.y, p.y)));
+    const auto zo = sum(make_expansion(two_prod(normal.z, p.z)),
+                        make_expansion(detail::TwoTerms{-offset, 0.0}));
+    const auto all = sum(xy, zo);
+    if (all.size == 0) return 0;
+    return all.term[all.size - 1] > 0.0 ? 1 : -1;
+}
+
 }  // namespace noli

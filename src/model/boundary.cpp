@@ -4,6 +4,7 @@
 #include "model/rotation.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace noli {
@@ -44,12 +45,6 @@ PathKey path_at(const std::vector<PathKey>& path, double t) {
     return path.back();
 }
 
-void prescribe(StepBoundary& out, int vertex, const Vec3d& target) {
-    const std::size_t v = static_cast<std::size_t>(vertex);
-    out.prescribed[v] = 1;
-    out.target[v] = target;
-}
-
 bool is_load(BoundaryCondition::Kind kind) {
     return kind == BoundaryCondition::Kind::Force
         || kind == BoundaryCondition::Kind::Acceleration;
@@ -76,77 +71,120 @@ void BoundaryScript::update_until(std::span<const Vec3d> x) {
     }
 }
 
-void BoundaryScript::apply(int index,
-                           double t,
-                           double dt,
-                           int step,
-                           std::span<const Vec3d> x,
-                           StepBoundary& out) const {
+bool BoundaryScript::acts(int index, const Step& step) const {
+    const BoundaryCondition& what =
+        model_->conditions[static_cast<std::size_t>(index)].what;
+    const std::uint8_t state = ended[static_cast<std::size_t>(index)];
+    if (state != 0) return state == 2 && !is_load(what.kind);
+    return step.t >= what.t_begin - 1e-9 * step.dt
+        && step.t < what.t_end - 1e-9 * step.dt;
+}
+
+/// Largest rotation of a condition in this step, degrees.
+double BoundaryScript::largest_turn(const Step& step) const {
+    using Kind = BoundaryCondition::Kind;
+    double largest = 0.0;
+    for (std::size_t c = 0; c < ended.size(); ++c) {
+        const BoundaryCondition& what = model_->conditions[c].what;
+        if (ended[c] != 0 || !acts(static_cast<int>(c), step)) continue;
+        if (what.kind == Kind::Velocity)
+            largest = std::max(largest, step.dt * norm(to_vec3(what.angular_deg)));
+        if (what.kind != Kind::Path) continue;
+        const PathKey from = path_at(what.path, step.t);
+        const PathKey to = path_at(what.path, step.t + step.dt);
+        largest = std::max(largest,
+                           norm(to_vec3(to.rotation_deg) - to_vec3(from.rotation_deg)));
+    }
+    return largest;
+}
+
+void BoundaryScript::apply_load(int index, StepBoundary& out) const {
+    const ModelCondition& condition = model_->conditions[static_cast<std::size_t>(index)];
+    double scale = 1.0;
+    if (condition.what.kind == BoundaryCondition::Kind::Force) {
+        double mass = 0.0;
+        for (const int v : condition.vertices)
+            mass += model_->mass[static_cast<std::size_t>(v)];
+        scale = mass > 0.0 ? 1.0 / mass : 0.0;
+    }
+    for (const int v : condition.vertices)
+        out.acceleration[static_cast<std::size_t>(v)] +=
+            scale * to_vec3(condition.what.linear);
+}
+
+/// Marks the condition's vertices and puts them where they are after `share` of the step.
+void BoundaryScript::prescribe(int index,
+                               const Step& step,
+                               double share,
+                               std::vector<std::uint8_t>& prescribed,
+                               std::vector<Vec3d>& position) const {
+    using Kind = BoundaryCondition::Kind;
     const ModelCondition& condition = model_->conditions[static_cast<std::size_t>(index)];
     const BoundaryCondition& what = condition.what;
-    const std::uint8_t state = ended[static_cast<std::size_t>(index)];
-    const bool active = t >= what.t_begin - 1e-9 * dt && t < what.t_end - 1e-9 * dt;
-    if (state == 1 || (state == 0 && !active)) return;
+    const auto put = [&](int vertex, const Vec3d& at) {
+        prescribed[static_cast<std::size_t>(vertex)] = 1;
+        position[static_cast<std::size_t>(vertex)] = at;
+    };
+    const auto now = [&](int vertex) { return step.x[static_cast<std::size_t>(vertex)]; };
 
-    if (is_load(what.kind)) {
-        double scale = 1.0;
-        if (what.kind == BoundaryCondition::Kind::Force) {
-            double mass = 0.0;
-            for (const int v : condition.vertices)
-                mass += model_->mass[static_cast<std::size_t>(v)];
-            scale = mass > 0.0 ? 1.0 / mass : 0.0;
-        }
-        if (state == 2) return;
+    if (ended[static_cast<std::size_t>(index)] == 2 || what.kind == Kind::Fixed) {
         for (const int v : condition.vertices)
-            out.acceleration[static_cast<std::size_t>(v)] += scale * to_vec3(what.linear);
-        return;
-    }
-    if (state == 2 || what.kind == BoundaryCondition::Kind::Fixed) {
-        for (const int v : condition.vertices)
-            prescribe(out, v, x[static_cast<std::size_t>(v)]);
-        return;
-    }
-    if (what.kind == BoundaryCondition::Kind::Velocity) {
+            put(v, now(v));
+    } else if (what.kind == Kind::Velocity) {
+        const double time = share * step.dt;
         const Vec3d center =
-            what.center ? to_vec3(*what.center) : box_center(x, condition.vertices);
-        const Mat3d turn = rotation_from_degrees(dt * to_vec3(what.angular_deg));
-        const Vec3d shift = dt * to_vec3(what.linear);
+            what.center ? to_vec3(*what.center) : box_center(step.x, condition.vertices);
+        const Mat3d turn = rotation_from_degrees(time * to_vec3(what.angular_deg));
+        const Vec3d shift = time * to_vec3(what.linear);
         for (const int v : condition.vertices)
-            prescribe(out,
-                      v,
-                      center + turn * (x[static_cast<std::size_t>(v)] - center) + shift);
-        return;
-    }
-    if (what.kind == BoundaryCondition::Kind::Path) {
-        const PathKey key = path_at(what.path, t + dt);
+            put(v, center + turn * (now(v) - center) + shift);
+    } else if (what.kind == Kind::Path) {
+        const PathKey key = path_at(what.path, step.t + share * step.dt);
         const Vec3d center = what.center ? to_vec3(*what.center) : condition.start_center;
         const Mat3d turn = rotation_from_degrees(to_vec3(key.rotation_deg));
         for (const int v : condition.vertices) {
             const Vec3d arm = model_->x0[static_cast<std::size_t>(v)] - center;
-            prescribe(out, v, center + turn * arm + to_vec3(key.translation));
+            put(v, center + turn * arm + to_vec3(key.translation));
         }
-        return;
+    } else {
+        // Sequence: entry k is the end of step k; the last one is held.
+        const std::size_t last = condition.sequence.size() - 1;
+        const auto& frame =
+            condition.sequence[std::min(last, static_cast<std::size_t>(step.number))];
+        for (std::size_t i = 0; i < condition.vertices.size(); ++i) {
+            const int v = condition.vertices[i];
+            put(v, share < 1.0 ? now(v) + share * (frame[i] - now(v)) : frame[i]);
+        }
     }
-    // Sequence: entry k is the end of step k; the last one is held.
-    const std::size_t last = condition.sequence.size() - 1;
-    const auto& frame =
-        condition.sequence[std::min(last, static_cast<std::size_t>(step))];
-    for (std::size_t i = 0; i < condition.vertices.size(); ++i)
-        prescribe(out, condition.vertices[i], frame[i]);
 }
 
 void BoundaryScript::evaluate(
     double t, double dt, int step, std::span<const Vec3d> x, StepBoundary& out) {
     const std::size_t n = static_cast<std::size_t>(model_->num_vertices);
     out.prescribed.assign(n, 0);
-    out.target.assign(x.begin(), x.end());
     out.acceleration.assign(n, gravity_);
     for (std::size_t v = 0; v < n; ++v)
         out.prescribed[v] = model_->obstacle[v];
 
     update_until(x);
-    for (std::size_t c = 0; c < ended.size(); ++c)
-        apply(static_cast<int>(c), t, dt, step, x, out);
+    const Step now{t, dt, step, x};
+    const int legs =
+        std::max(1, static_cast<int>(std::ceil(largest_turn(now) / kLargestTurn)));
+    out.path.assign(static_cast<std::size_t>(legs), {x.begin(), x.end()});
+    for (std::size_t c = 0; c < ended.size(); ++c) {
+        const int index = static_cast<int>(c);
+        if (!acts(index, now)) continue;
+        if (is_load(model_->conditions[c].what.kind)) {
+            apply_load(index, out);
+            continue;
+        }
+        for (int leg = 0; leg < legs; ++leg)
+            prescribe(index,
+                      now,
+                      static_cast<double>(leg + 1) / legs,
+                      out.prescribed,
+                      out.path[static_cast<std::size_t>(leg)]);
+    }
 
     out.num_prescribed = 0;
     for (std::size_t v = 0; v < n; ++v)

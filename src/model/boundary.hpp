@@ -11,11 +11,17 @@
 
 namespace noli {
 
+/// Largest rotation that is travelled along a chord, degrees: shrinks by 3.4 % midway.
+inline constexpr double kLargestTurn = 30.0;
+
 /// Boundary data of one step; arrays are per vertex.
 struct StepBoundary {
-    std::vector<std::uint8_t> prescribed;  ///< 1 = position given by `target`
-    std::vector<Vec3d> target;             ///< position at the end of the step, m
+    std::vector<std::uint8_t> prescribed;  ///< 1 = position given by `path`
     std::vector<Vec3d> acceleration;       ///< gravity and applied forces, m/s^2
+    /// Positions on the way, m: those at the end of the step come last. There is more
+    /// than one entry if something turns by more than kLargestTurn in the step: a chord
+    /// of such an arc would crush the body that turns.
+    std::vector<std::vector<Vec3d>> path;
     int num_prescribed = 0;
 };
 
@@ -33,13 +39,22 @@ class BoundaryScript {
     std::vector<std::uint8_t> ended;  ///< per condition: 0 active, 1 released, 2 held
 
   private:
+    /// The step that is evaluated.
+    struct Step {
+        double t, dt;
+        int number;
+        std::span<const Vec3d> x;
+    };
+
     void update_until(std::span<const Vec3d> x);
-    void apply(int index,
-               double t,
-               double dt,
-               int step,
-               std::span<const Vec3d> x,
-               StepBoundary& out) const;
+    [[nodiscard]] bool acts(int index, const Step& step) const;
+    [[nodiscard]] double largest_turn(const Step& step) const;
+    void apply_load(int index, StepBoundary& out) const;
+    void prescribe(int index,
+                   const Step& step,
+                   double share,
+                   std::vector<std::uint8_t>& prescribed,
+                   std::vector<Vec3d>& position) const;
 
     const Model* model_;
     Vec3d gravity_;

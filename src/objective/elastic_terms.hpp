@@ -51,6 +51,8 @@ NOLI_HD inline LameParameters<T> load_lame(const TetViews& in, int first) {
             load_lanes<T>([&](int j) { return in.lambda[first + j]; })};
 }
 
+inline constexpr bool kResist = true;  ///< elements resist being crushed: crush.hpp
+
 template <ElasticModel M>
 struct TetEnergyKernel {
     TetViews in;
@@ -62,8 +64,8 @@ struct TetEnergyKernel {
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const T energy =
-            tet_energy<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
+        const T energy = tet_energy<M, kResist>(load_tet<T>(in, x, first, scale),
+                                                load_lame<T>(in, first));
         for (int j = 0; j < kLaneWidth<T>; ++j)
             out[first + j] = lane_of(energy, j);
     }
@@ -90,8 +92,8 @@ struct TetGradientKernel {
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const auto g =
-            tet_gradient<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
+        const auto g = tet_gradient<M, kResist>(load_tet<T>(in, x, first, scale),
+                                                load_lame<T>(in, first));
         store_corner_gradients<T>(g.g, first, corners);
     }
 };
@@ -108,8 +110,8 @@ struct TetHessianKernel {
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const auto all =
-            tet_derivatives<M>(load_tet<T>(in, x, first, scale), load_lame<T>(in, first));
+        const auto all = tet_derivatives<M, kResist>(load_tet<T>(in, x, first, scale),
+                                                     load_lame<T>(in, first));
         store_corner_gradients<T>(all.gradient.g, first, corners);
         for (int j = 0; j < kLaneWidth<T>; ++j) {
             double* to = blocks.data + 90 * static_cast<long>(first + j);

@@ -9,11 +9,14 @@
 /// barrier is not scaled by h^2: kappa absorbs it. Source: MATH 7.
 
 #include "contact/pairs.hpp"
+#include "core/timer.hpp"
 #include "linear/block_matrix.hpp"
 #include "objective/elastic_terms.hpp"
 #include "objective/friction_terms.hpp"
 #include "objective/inertia.hpp"
 #include "objective/pair_terms.hpp"
+
+#include <utility>
 
 namespace noli {
 
@@ -23,6 +26,11 @@ struct StepScales {
     double mass_damping = 0.0;       ///< h^2 alpha / dt
     double stiffness_damping = 0.0;  ///< beta / dt: factor of the lagged elastic Hessian
     double friction_eps = 0.0;       ///< epsv dt, m
+};
+
+/// Where assembly spends its time: energies' gradients and projected Hessians, s.
+struct AssemblySeconds {
+    double elastic = 0.0, barrier = 0.0, friction = 0.0;
 };
 
 /// Spring of a prescribed vertex that has to yield, in multiples of its inertia.
@@ -198,7 +206,10 @@ class Objective {
                   View<const Vec3d> x,
                   const PairSet<Exec>& pairs,
                   const ContactLaw& law) {
-        elastic_derivatives(exec, device_, x, scales_.h_sq, corners_, blocks_);
+        {
+            const PhaseTimer timer(seconds_.elastic);
+            elastic_derivatives(exec, device_, x, scales_.h_sq, corners_, blocks_);
+        }
         detail::inertia_gradients(exec, inertia(), x, gradient_.view());
         gather_corners(exec, device_, corners_.view(), gradient_.view());
         detail::inertia_diagonals(exec, inertia(), diagonal_.view());
@@ -240,6 +251,17 @@ class Objective {
         terms_.gather_add(exec, term_gradients_.view(), barrier);
     }
 
+    /// Largest friction_unrest (energy/friction.hpp) of the direction p at x among the
+    /// terms with mu lambda_N of at least `weak` (J/m).
+    double friction_unrest(Exec& exec,
+                           View<const Vec3d> x,
+                           View<const Vec3d> p,
+                           double weak) {
+        if (friction_.size() == 0) return 0.0;
+        return largest_friction_unrest(
+            exec, friction_.view(), x, x_start_.view(), p, scales_.friction_eps, weak);
+    }
+
     InversionBound inversion_bound_along(Exec& exec,
                                          View<const Vec3d> x,
                                          View<const Vec3d> p,
@@ -247,6 +269,8 @@ class Objective {
         return inversion_step_bound(exec, device_, x, p, keep, per_tet_);
     }
 
+    /// Seconds of all assemblies since the last call.
+    AssemblySeconds take_seconds() { return std::exchange(seconds_, {}); }
     [[nodiscard]] View<const Vec3d> gradient() const { return gradient_.view(); }
     BlockMatrix<Exec>& matrix() { return matrix_; }
     LowRankTerms<Exec>& terms() { return terms_; }
@@ -333,26 +357,33 @@ class Objective {
             at.mode += count * at.rank;
             at.rank = next_rank;
         };
-        next(0, r2);
-        fill_pair_terms<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, law, at);
-        next(pairs.pp.size(), r3);
-        fill_pair_terms<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, law, at);
-        next(pairs.pe.size(), r4);
-        fill_pair_terms<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, law, at);
-        next(pairs.pt.size(), r4);
-        fill_pair_terms<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, law, at);
-        next(pairs.ee.size(), rm);
-        fill_mollified_terms(exec, pairs.mollified.view(), x, law, at);
-        next(pairs.mollified.size(), 1);
-        fill_plane_terms(exec, pairs.planes.view(), planes_.view(), x, law, at);
+        {
+            const PhaseTimer timer(seconds_.barrier);
+            next(0, r2);
+            fill_pair_terms<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, law, at);
+            next(pairs.pp.size(), r3);
+            fill_pair_terms<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, law, at);
+            next(pairs.pe.size(), r4);
+            fill_pair_terms<4>(
+                exec, PairKind::PointTriangle, pairs.pt.view(), x, law, at);
+            next(pairs.pt.size(), r4);
+            fill_pair_terms<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, law, at);
+            next(pairs.ee.size(), rm);
+            fill_mollified_terms(exec, pairs.mollified.view(), x, law, at);
+            next(pairs.mollified.size(), 1);
+            fill_plane_terms(exec, pairs.planes.view(), planes_.view(), x, law, at);
+        }
         next(pairs.planes.size(), 2);
-        if (num_friction > 0)
+        if (num_friction > 0) {
+            const PhaseTimer timer(seconds_.friction);
             fill_friction_terms(
                 exec, friction_.view(), x, x_start_.view(), scales_.friction_eps, at);
+        }
         detail::close_term_ranges(exec, terms_.first_mode.view(), num_modes);
         terms_.build_incidence(exec, x.size);
     }
 
+    AssemblySeconds seconds_;
     DeviceModel<Exec> device_;
     StepScales scales_;
     const BlockPattern* pattern_ = nullptr;

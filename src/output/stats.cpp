@@ -92,7 +92,7 @@ std::string stats_row(const StepReport& r,
                       std::uint64_t state_hash) {
     return fmt::format(
         "{},{:.17g},{:.6g},{},{},{},{:.17g},{:.17g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},"
-        "{:.6g},{:.6g},{:.6g},{},{:.17g},{:016x}\n",
+        "{:.6g},{:.6g},{:.6g},{},{:.17g},{:016x},{:.6g},{:.6g},{:.6g}\n",
         r.step,
         r.time,
         r.wall_s,
@@ -113,7 +113,10 @@ std::string stats_row(const StepReport& r,
         r.peak_mb,
         r.friction_updates,
         r.boundary_yield,
-        state_hash);
+        state_hash,
+        r.t_elastic,
+        r.t_barrier,
+        r.t_friction);
 }
 
 std::vector<StatsEntry> parse_stats(std::string_view text) {

@@ -18,7 +18,7 @@ namespace noli {
 inline constexpr std::string_view kStatsHeader =
     "step,t,wall_s,newton,pcg,contacts,min_gap,kappa,intersections,inversions,outcome,"
     "t_pairs,t_assemble,t_solve,t_ccd,t_search,t_output,peak_mb,"
-    "friction_updates,boundary_yield,state_hash\n";
+    "friction_updates,boundary_yield,state_hash,t_elastic,t_barrier,t_friction\n";
 
 /// A row of stats.csv, newline included. Quantities of the simulation have 17 digits, so
 /// that equal runs give equal text.

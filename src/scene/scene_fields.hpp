@@ -36,10 +36,19 @@ inline constexpr std::array kBoundaryKinds{
         BoundaryCondition::Kind::Force, "force", "total force `linear`, spread by mass"},
     Choice{
         BoundaryCondition::Kind::Acceleration, "acceleration", "acceleration `linear`"}};
+inline constexpr std::array kContactFormulations{
+    Choice{ContactFormulation::Gipc, "gipc", "Gauss-Newton barrier, next three keys"},
+    Choice{ContactFormulation::Ipc,
+           "ipc",
+           "that of Li et al. 2020: exponent 1, full Hessians projected numerically; for "
+           "comparison"}};
 inline constexpr std::array kContactModels{
     Choice{ContactModel::Gn, "gn", "rank one, the paper's; stalls on some scenes"},
     Choice{ContactModel::GnPlus, "gn+", "rank three, robust"},
-    Choice{ContactModel::Exact, "exact", "projected to be positive semi-definite"}};
+    Choice{ContactModel::Exact, "exact", "projected to be positive semi-definite"},
+    Choice{ContactModel::Numeric,
+           "numeric",
+           "the same by eigenvectors of the full matrix, slow"}};
 inline constexpr std::array kMollifierModels{
     Choice{MollifierModel::TwoMode, "two_mode", "as the authors' program"},
     Choice{MollifierModel::FourMode, "four_mode", "all four modes"},
@@ -286,6 +295,8 @@ void visit_fields(V& v, ContactSettings& c) {
               .above = 0,
               .doc = "Activation distance: surfaces closer than this repel; "
                      "relative to the diagonal (length_scale)."});
+    v.choice(
+        "model", c.model, d.model, all(kContactFormulations), "Whose contact model.");
     v.integer(
         "barrier_exponent",
         c.barrier_exponent,
@@ -303,6 +314,16 @@ void visit_fields(V& v, ContactSettings& c) {
              d.mollifier,
              all(kMollifierModels),
              "The same for nearly parallel edges.");
+    v.check(c.model == ContactFormulation::Gipc
+                || (c.barrier_exponent == d.barrier_exponent && c.hessian == d.hessian
+                    && c.mollifier == d.mollifier),
+            "model",
+            "found \"ipc\" beside \"barrier_exponent\", \"hessian\" or "
+            "\"mollifier\", expected one or the other; \"ipc\" fixes all three");
+    v.boolean("strengthen",
+              c.strengthen,
+              d.strengthen,
+              "Whether a solve that makes only short steps moves to a stronger Hessian.");
     v.number("kappa",
              c.kappa,
              d.kappa,
@@ -379,6 +400,12 @@ void visit_fields(V& v, SolverSettings& s) {
               .doc = "Newton stops when no vertex would move faster than this any more; "
                      "relative to the "
                      "diagonal (length_scale) per second."});
+    v.number("gradient_tolerance",
+             s.gradient_tolerance,
+             d.gradient_tolerance,
+             {.at_least = 0,
+              .doc = "If positive, Newton stops at a gradient of this times the diagonal "
+                     "times dt^2 (N s^2) instead."});
     v.numbers("tolerance_per_step",
               s.tolerance_per_step,
               {.above = 0,

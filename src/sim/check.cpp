@@ -18,12 +18,13 @@ namespace noli {
 
 namespace {
 
-/// Seconds per step from tets and surface: the rates of docs/performance.md on one core,
-/// at five Newton iterations a step. An order of magnitude, said as such.
+/// Seconds per step from tets and surface: fitted to the seconds per Newton iteration in
+/// docs/performance.md (two cores; within a factor 1.6 on its scenes), at five iterations
+/// a step. Those scenes need 2 to 22. An order of magnitude, said as such.
 double estimate_step_seconds(const Model& model) {
     constexpr double kIterations = 5.0;
-    constexpr double kPerTet = 2.5e-6;
-    constexpr double kPerTriangle = 2.0e-6;
+    constexpr double kPerTet = 0.9e-6;
+    constexpr double kPerTriangle = 0.6e-6;
     return kIterations
          * (kPerTet * model.num_tets()
             + kPerTriangle * static_cast<double>(model.triangles.size()));

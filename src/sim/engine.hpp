@@ -24,10 +24,14 @@ class Engine {
 
     virtual StepReport step() = 0;
     virtual StepState state() = 0;
+    [[nodiscard]] virtual int steps() const = 0;
+    /// Of the last step's end, m.
+    [[nodiscard]] virtual const std::vector<Vec3d>& positions() const = 0;
+    virtual std::vector<Vec3d> velocities() = 0;  ///< m/s
     virtual void set_state(const StepState& state) = 0;
     virtual std::vector<Vec3d> contact_forces() = 0;  ///< N, of the last step's end
     virtual double elastic_energy() = 0;              ///< J
-    virtual double barrier_energy() = 0;  ///< of the last step's end, J times h^2
+    virtual double barrier_energy() = 0;              ///< of the last step's end, J
     [[nodiscard]] virtual std::string device_name() const = 0;
 };
 

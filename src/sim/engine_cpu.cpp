@@ -31,14 +31,27 @@ class CpuEngine final : public Engine {
         return report;
     }
     StepState state() override { return engine_->state(); }
+    [[nodiscard]] int steps() const override { return engine_->steps(); }
+    [[nodiscard]] const std::vector<Vec3d>& positions() const override {
+        return engine_->positions();
+    }
+    std::vector<Vec3d> velocities() override { return engine_->velocities(); }
     void set_state(const StepState& state) override { engine_->set_state(state); }
     std::vector<Vec3d> contact_forces() override {
         std::vector<Vec3d> out;
         arena_.run([&] { out = engine_->contact_forces(); });
         return out;
     }
-    double elastic_energy() override { return engine_->elastic_energy(); }
-    double barrier_energy() override { return engine_->barrier_energy(); }
+    double elastic_energy() override {
+        double energy = 0.0;
+        arena_.run([&] { energy = engine_->elastic_energy(); });
+        return energy;
+    }
+    double barrier_energy() override {
+        double energy = 0.0;
+        arena_.run([&] { energy = engine_->barrier_energy(); });
+        return energy;
+    }
     [[nodiscard]] std::string device_name() const override {
         const int threads = arena_.threads();
         return "CPU, " + std::to_string(threads)

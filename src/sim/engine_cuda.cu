@@ -24,6 +24,11 @@ class CudaEngine final : public Engine {
         }
     }
     StepState state() override { return engine_.state(); }
+    [[nodiscard]] int steps() const override { return engine_.steps(); }
+    [[nodiscard]] const std::vector<Vec3d>& positions() const override {
+        return engine_.positions();
+    }
+    std::vector<Vec3d> velocities() override { return engine_.velocities(); }
     void set_state(const StepState& state) override { engine_.set_state(state); }
     std::vector<Vec3d> contact_forces() override { return engine_.contact_forces(); }
     double elastic_energy() override { return engine_.elastic_energy(); }

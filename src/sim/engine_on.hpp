@@ -16,6 +16,11 @@ class EngineOn {
 
     StepReport step() { return stepper_.step(); }
     StepState state() { return stepper_.state(); }
+    [[nodiscard]] int steps() const { return stepper_.steps(); }
+    [[nodiscard]] const std::vector<Vec3d>& positions() const {
+        return stepper_.positions();
+    }
+    std::vector<Vec3d> velocities() { return stepper_.velocities(); }
     void set_state(const StepState& state) { stepper_.set_state(state); }
 
     std::vector<Vec3d> contact_forces() {
@@ -33,8 +38,11 @@ class EngineOn {
     }
     double barrier_energy() {
         Newton<Exec>& newton = stepper_.newton();
+        const double h_sq = newton.objective().scales().h_sq;
+        if (!(h_sq > 0.0)) return 0.0;  // before the first step
         return newton.objective().barrier_energy(
-            exec_, stepper_.x(), newton.pairs(), newton.law().barrier);
+                   exec_, stepper_.x(), newton.pairs(), newton.law().barrier)
+             / h_sq;
     }
 
   private:

@@ -44,7 +44,7 @@ StepSettings step_settings(const Scene& scene, const Model& model, bool record) 
             std::any_of(model.pair_friction.begin(), model.pair_friction.end(), positive)
             || std::any_of(
                 model.plane_friction.begin(), model.plane_friction.end(), positive),
-        .contact = scene.contact,
+        .contact = spelled_out(scene.contact),
         .damping = scene.damping,
         .solver = scene.solver,
         .record_iterations = record};
@@ -189,7 +189,7 @@ StepReport Simulator::step() {
 }
 
 int Simulator::steps_done() const {
-    return impl_->engine->state().steps;
+    return impl_->engine->steps();
 }
 double Simulator::time() const {
     return steps_done() * impl_->scene.dt;
@@ -208,22 +208,22 @@ Topology Simulator::topology() const {
 }
 
 std::vector<Vector3> Simulator::positions() const {
-    return to_arrays(impl_->engine->state().x);
+    return to_arrays(impl_->engine->positions());
 }
 std::vector<Vector3> Simulator::velocities() const {
-    return to_arrays(impl_->engine->state().v);
+    return to_arrays(impl_->engine->velocities());
 }
 
 Fields Simulator::fields() {
     Fields out;
     out.contact_force = to_arrays(impl_->engine->contact_forces());
-    tet_stresses(impl_->model, impl_->engine->state().x, out.stress, out.von_mises);
+    tet_stresses(impl_->model, impl_->engine->positions(), out.stress, out.von_mises);
     return out;
 }
 
 VerifyReport Simulator::verify() const {
     if (!impl_->verifier) impl_->verifier = std::make_unique<Verifier>(impl_->model);
-    return impl_->verifier->run(impl_->engine->state().x);
+    return impl_->verifier->run(impl_->engine->positions());
 }
 
 std::uint64_t Simulator::state_hash() const {
@@ -257,7 +257,7 @@ Simulator::Balance Simulator::balance() {
         angular += m * cross(state.x[v], state.v[v]);
     }
     out.elastic = impl_->engine->elastic_energy();
-    out.contact = impl_->engine->barrier_energy() / (impl_->scene.dt * impl_->scene.dt);
+    out.contact = impl_->engine->barrier_energy();
     out.linear = to_array(linear);
     out.angular = to_array(angular);
     return out;

@@ -7,6 +7,7 @@
 #include "linear/cholmod_solver.hpp"
 #include "linear/pcg.hpp"
 #include "objective/objective.hpp"
+#include "step/boundary_path.hpp"
 #include "step/settings.hpp"
 
 namespace noli {
@@ -67,13 +68,17 @@ class DirectionSolver {
         pushed_.resize(num_vertices);
     }
 
-    /// Largest component of what the prescribed vertices still have to move, m.
+    /// Largest component of what the prescribed vertices still have to move to the end of
+    /// the leg that they are on, m; 0 at the end of the path only.
     double find_remaining(Exec& exec,
                           View<const std::uint8_t> fixed,
-                          View<const Vec3d> target,
+                          BoundaryPath& path,
                           View<const Vec3d> x) {
-        detail::remaining_motion(exec, fixed, target, x, prescribed_.view());
-        remaining_ = detail::max_component(exec, View<const Vec3d>(prescribed_.view()));
+        do {
+            detail::remaining_motion(exec, fixed, path.target(), x, prescribed_.view());
+            remaining_ =
+                detail::max_component(exec, View<const Vec3d>(prescribed_.view()));
+        } while (remaining_ == 0.0 && path.next_leg());
         return remaining_;
     }
 

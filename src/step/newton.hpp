@@ -13,12 +13,13 @@
 
 #include "noli/simulator.hpp"
 
+#include "core/timer.hpp"
 #include "step/boundary_pace.hpp"
+#include "step/boundary_path.hpp"
 #include "step/collision.hpp"
 #include "step/direction.hpp"
 #include "step/line_search.hpp"
 #include "step/stiffness.hpp"
-#include "step/timer.hpp"
 #include "step/trouble.hpp"
 
 namespace noli {
@@ -87,10 +88,10 @@ class Newton {
         if (settings_.has_friction) objective_.lag_friction_at(exec_, pairs_, x, law_);
     }
 
-    /// Minimises the incremental potential from x, with prescribed vertices going to
-    /// `target`. Fills the report; leaves in x the last iterate, always free of
+    /// Minimises the incremental potential from x, with prescribed vertices going along
+    /// `path`. Fills the report; leaves in x the last iterate, always free of
     /// intersections.
-    Outcome minimize(View<const Vec3d> target,
+    Outcome minimize(BoundaryPath& path,
                      double tolerance,
                      View<Vec3d> x,
                      StepReport& report) {
@@ -100,7 +101,7 @@ class Newton {
         for (int k = 0; k < settings_.solver.max_newton; ++k) {
             IterationRecord record;
             record.iteration = report.newton;
-            const Progress progress = iterate(target, tolerance, x, record, report);
+            const Progress progress = iterate(path, tolerance, x, record, report);
             if (settings_.record_iterations) report.iterations.push_back(record);
             if (progress.ended) return progress.outcome;
         }
@@ -130,7 +131,7 @@ class Newton {
         Outcome outcome = Outcome::Converged;
     };
 
-    Progress iterate(View<const Vec3d> target,
+    Progress iterate(BoundaryPath& path,
                      double tolerance,
                      View<Vec3d> x,
                      IterationRecord& record,
@@ -140,14 +141,18 @@ class Newton {
             objective_.assemble(exec_, x, pairs_, law_);
             if (!energy_known_) energy_ = objective_.energy(exec_, x, pairs_, law_);
             energy_known_ = true;
+            const AssemblySeconds seconds = objective_.take_seconds();
+            report.t_elastic += seconds.elastic;
+            report.t_barrier += seconds.barrier;
+            report.t_friction += seconds.friction;
         }
         record.energy = energy_;
         record.energy_after = energy_;
         record.kappa = law_.barrier.kappa;
-        const bool arrived = direction_.find_remaining(exec_, fixed_, target, x) == 0.0;
+        const bool arrived = direction_.find_remaining(exec_, fixed_, path, x) == 0.0;
         record.boundary_moved = !arrived && pace_.moves();
         if (!record.boundary_moved) direction_.hold_prescribed();
-        if (settings_.record_iterations)
+        if (settings_.record_iterations || settings_.solver.gradient_tolerance > 0.0)
             record.gradient =
                 detail::max_free_component(exec_, objective_.gradient(), fixed_);
         const DirectionResult solved = solve_direction(record, report);
@@ -161,7 +166,8 @@ class Newton {
                 describe_not_finite(record.direction, energy_, report.newton);
             return {true, Outcome::NumericalTrouble};
         }
-        const bool converged = arrived && record.direction < tolerance * settings_.dt;
+        const bool converged = arrived && small_enough(record, tolerance)
+                            && friction_settled(x, tolerance * settings_.dt);
         bound_step(x, record, report);
         const bool moved = search(x, converged, record, report);
         if (converged) return {true, Outcome::Converged};
@@ -171,8 +177,27 @@ class Newton {
             return {true, Outcome::Stalled};
         }
         const Progress progress = judge_progress(record, report);
-        if (!progress.ended && pace_.blocked() && !yielded_) yield_boundary(target);
+        if (!progress.ended && pace_.blocked() && !yielded_) yield_boundary(path.end());
         return progress;
+    }
+
+    /// The stopping test on the direction, or on the gradient if the settings say so.
+    /// Source: MATH 8 (direction); supplement 9 (gradient).
+    [[nodiscard]] bool small_enough(const IterationRecord& record,
+                                    double tolerance) const {
+        const double bound = settings_.solver.gradient_tolerance;
+        if (bound <= 0.0) return record.direction < tolerance * settings_.dt;
+        return record.gradient
+            <= bound * settings_.diagonal * settings_.dt * settings_.dt;
+    }
+
+    /// Whether it is decided which pairs stick: the tolerance may be far coarser than the
+    /// slip epsv dt over which friction builds up. Pairs that can move a mean vertex by
+    /// no more than a hundredth of `distance` have no say.
+    bool friction_settled(View<const Vec3d> x, double distance) {
+        const double weak = 0.01 * distance * settings_.mean_mass;
+        return objective_.friction_unrest(exec_, x, View<const Vec3d>(p_.view()), weak)
+            <= kFrictionUnrest;
     }
 
     /// Prescribed vertices of elastic bodies that something blocks are held by springs
@@ -293,8 +318,8 @@ class Newton {
     Progress judge_progress(const IterationRecord& record, StepReport& report) {
         stall_.add(record);
         pace_.add(record);
-        if (stall_.short_steps == kShortStepsBeforeSwitch
-            && law_.hessian != ContactHessian::Exact) {
+        if (stall_.short_steps == kShortStepsBeforeSwitch && settings_.contact.strengthen
+            && law_.hessian < ContactHessian::Exact) {
             law_.hessian = law_.hessian == ContactHessian::GaussNewton
                              ? ContactHessian::GaussNewtonPlus
                              : ContactHessian::Exact;

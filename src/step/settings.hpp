@@ -28,11 +28,23 @@ inline MollifiedHessian hessian_of(MollifierModel model) {
     return static_cast<MollifiedHessian>(model);
 }
 
+/// The contact settings with a named formulation spelled out.
+inline ContactSettings spelled_out(ContactSettings contact) {
+    if (contact.model == ContactFormulation::Ipc) {
+        contact.barrier_exponent = 1;
+        contact.hessian = ContactModel::Numeric;
+        contact.mollifier = MollifierModel::Exact;
+    }
+    return contact;
+}
+
 /// Constants of the numerics that are not the user's business; each says what it is for.
 inline constexpr double kCcdSlack =
     0.8;  ///< share of a distance that one step may use up
 inline constexpr double kKeepVolume =
     0.2;  ///< share of a tet's volume that one step must keep
+inline constexpr double kFrictionUnrest =
+    0.1;  ///< largest unrest of friction (energy/friction.hpp) at which Newton may end
 inline constexpr int kShortStepsBeforeSwitch =
     5;  ///< then a stronger contact Hessian is tried
 inline constexpr int kShortStepsBeforeStall = 60;  ///< then the step ends as stalled

@@ -118,6 +118,11 @@ class Stepper {
 
     Newton<Exec>& newton() { return newton_; }
     [[nodiscard]] const std::vector<Vec3d>& positions() const { return x_host_; }
+    std::vector<Vec3d> velocities() {
+        std::vector<Vec3d> v;
+        exec_.download(View<const Vec3d>(motion_.v.view()), v);
+        return v;
+    }
     [[nodiscard]] View<const Vec3d> x() const { return motion_.x.view(); }
     [[nodiscard]] int steps() const { return steps_; }
     [[nodiscard]] const StepBoundary& boundary() const { return boundary_; }
@@ -136,7 +141,7 @@ class Stepper {
     void begin(StepReport& report) {
         script_.evaluate(steps_ * settings_.dt, settings_.dt, steps_, x_host_, boundary_);
         exec_.upload(boundary_.prescribed, fixed_);
-        exec_.upload(boundary_.target, target_);
+        upload_path();
         exec_.upload(boundary_.acceleration, a_ext_);
         if (settings_.solver.integrator == Integrator::Newmark && steps_ == 0)
             start_acceleration();
@@ -161,6 +166,14 @@ class Stepper {
             scales, fixed_.view(), motion_.x.view(), x_tilde_.view(), report);
     }
 
+    void upload_path() {
+        std::vector<Vec3d> points;
+        points.reserve(boundary_.path.size() * boundary_.prescribed.size());
+        for (const std::vector<Vec3d>& leg : boundary_.path)
+            points.insert(points.end(), leg.begin(), leg.end());
+        exec_.upload(points, path_);
+    }
+
     /// Minimises with lagged friction, as often as asked for or until nothing changes any
     /// more.
     Outcome solve(StepReport& report) {
@@ -168,10 +181,11 @@ class Stepper {
         const int asked = settings_.contact.friction_iterations;
         const int limit =
             settings_.has_friction ? (asked > 0 ? asked : kMaxFrictionUpdates) : 1;
+        BoundaryPath path(path_.view(), static_cast<int>(boundary_.path.size()));
         for (int lag = 0;; ++lag) {
             const int before = report.newton;
             const Outcome outcome =
-                newton_.minimize(target_.view(), tolerance, x_new_.view(), report);
+                newton_.minimize(path, tolerance, x_new_.view(), report);
             report.friction_updates = settings_.has_friction ? lag + 1 : 0;
             if (outcome != Outcome::Converged) return outcome;
             const bool settled = asked == 0 && lag > 0 && report.newton - before == 1;
@@ -183,10 +197,11 @@ class Stepper {
     /// How far prescribed vertices stayed behind; too far is a blocked boundary.
     void judge_yield(StepReport& report) {
         const View<const std::uint8_t> fixed = fixed_.view();
-        report.boundary_yield =
-            detail::max_distance(exec_, fixed, x_new_.view(), target_.view());
+        const View<const Vec3d> target =
+            BoundaryPath(path_.view(), static_cast<int>(boundary_.path.size())).end();
+        report.boundary_yield = detail::max_distance(exec_, fixed, x_new_.view(), target);
         const double motion =
-            detail::max_distance(exec_, fixed, motion_.x.view(), target_.view());
+            detail::max_distance(exec_, fixed, motion_.x.view(), target);
         const double allowed = std::max(settings_.dhat, kYieldShare * motion);
         if (report.boundary_yield <= allowed || report.outcome != Outcome::Converged)
             return;
@@ -216,7 +231,7 @@ class Stepper {
     Newton<Exec> newton_;
     MotionState<Exec> motion_;
     typename Exec::template Buffer<std::uint8_t> fixed_;
-    typename Exec::template Buffer<Vec3d> target_, a_ext_, x_new_, x_tilde_;
+    typename Exec::template Buffer<Vec3d> path_, a_ext_, x_new_, x_tilde_;
     std::vector<Vec3d> x_host_;
     int steps_ = 0;
 };

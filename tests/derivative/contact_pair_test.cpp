@@ -89,6 +89,13 @@ TEST(ContactPair, ExactHessianEqualsTheProjectionOfTheWholeMatrix) {
         EXPECT_LE(modes.rank, max_rank(kind, ContactHessian::Exact));
         worst = std::fmax(worst, error);
     });
+    sweep(4, 20, [&]<int S>(PairKind kind, const Stencil<S>& x, int r) {
+        const auto reference = positive_part<typename Jet<3 * S>::Hessian>(
+            kKappa * pair_oracle(kind, x, r, kDhat).h);
+        const auto modes = pair_hessian(ContactHessian::Numeric, kind, x, params_of(r));
+        EXPECT_LE(relative_error(dense(modes), reference), 1e-9);
+        EXPECT_LE(modes.rank, max_rank(kind, ContactHessian::Numeric));
+    });
     RecordProperty("worst_relative_error", std::to_string(worst));
     std::printf("reduced exact projection: worst relative error %.2e\n", worst);
 }

@@ -131,5 +131,77 @@ TYPED_TEST(ElasticDerivatives, TetGradientAndHessianMatchDifferencesOfPositions)
     }
 }
 
+/// Deformations from rest volume down to a hundredth of it, across kCrushVolume.
+std::vector<Mat3d> crushed_cases() {
+    Random random(17);
+    std::vector<Mat3d> out;
+    for (const double J : {0.5, 0.102, 0.098, 0.05, 0.02, 0.01}) {
+        const Eigen::Vector3d sigma(1.1, 0.7, J / 0.77);
+        const Eigen::Matrix3d u =
+            Eigen::HouseholderQR<Eigen::Matrix3d>(random.matrix(1.0)).householderQ();
+        const Eigen::Matrix3d v =
+            Eigen::HouseholderQR<Eigen::Matrix3d>(random.matrix(1.0)).householderQ();
+        const Eigen::Matrix3d turn = u * v.transpose();
+        const double sign = turn.determinant() > 0.0 ? 1.0 : -1.0;
+        out.push_back(
+            elastic_test::from_eigen(sign * u * sigma.asDiagonal() * v.transpose()));
+    }
+    return out;
+}
+
+TYPED_TEST(ElasticDerivatives, CrushedTetsMatchDifferencesOfPositions) {
+    constexpr ElasticModel kLaw = TestFixture::kModel;
+    const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
+    for (const Mat3d& F : crushed_cases()) {
+        const TetShape<double> tet = tet_with(F, elastic_test::from_eigen(rest), 0.7);
+        const auto moved = [&tet](int k, double t) {
+            TetShape<double> other = tet;
+            other.x[k / 3][k % 3] += t;
+            return other;
+        };
+        const auto stacked = [](const TetGradient<double>& g) {
+            Eigen::Matrix<double, 12, 1> out;
+            for (int k = 0; k < 12; ++k)
+                out[k] = g.g[k / 3][k % 3];
+            return out;
+        };
+        const double h = 1e-3 * det(F);
+        const auto gradient = stacked(tet_gradient<kLaw, true>(tet, this->lame));
+        const Matrix12 hessian =
+            to_eigen(tet_hessian<kLaw, true>(tet, this->lame, false));
+        for (int k = 0; k < 12; ++k) {
+            const auto energy = [&](double t) {
+                return Eigen::Matrix<double, 1, 1>(
+                    tet_energy<kLaw, true>(moved(k, t), this->lame));
+            };
+            const auto slope = [&](double t) {
+                return stacked(tet_gradient<kLaw, true>(moved(k, t), this->lame));
+            };
+            EXPECT_NEAR(
+                derivative(energy, h)[0], gradient[k], 1e-7 * (1.0 + gradient.norm()))
+                << det(F);
+            EXPECT_LT((derivative(slope, h) - hessian.col(k)).norm(),
+                      1e-7 * (1.0 + hessian.norm()))
+                << det(F);
+        }
+    }
+}
+
+TEST(CrushBarrier, JoinsSmoothlyAndForbidsInversion) {
+    const LameParameters<double> lame{2.0, 3.0};
+    const CrushBarrier<double> free = crush_barrier(kCrushVolume * (1.0 + 1e-9), lame);
+    EXPECT_EQ(free.energy, 0.0);
+    EXPECT_EQ(free.d1, 0.0);
+    EXPECT_EQ(free.d2, 0.0);
+    const CrushBarrier<double> near = crush_barrier(kCrushVolume * (1.0 - 1e-6), lame);
+    EXPECT_GT(near.energy, 0.0);
+    EXPECT_LT(near.d1, 0.0);
+    EXPECT_GT(near.d2, 0.0);
+    EXPECT_LT(near.d2, 1e-4);
+    EXPECT_LT(crush_barrier(1e-6, lame).d1, -1e3);
+    EXPECT_EQ(crush_barrier(0.0, lame).energy, HUGE_VAL);
+    EXPECT_EQ(crush_barrier(-0.5, lame).energy, HUGE_VAL);
+}
+
 }  // namespace
 }  // namespace noli

@@ -259,6 +259,19 @@ TEST(ExactPredicates, ValuesKeepRelativeAccuracyWhereDoublesCancel) {
     }
 }
 
+TEST(ExactPredicates, PlaneSideIsDecidedWhereDoublesCancel) {
+    // 3 (1 + 2^-52 k) x - 1 around x = 1/3, which is no double: integers decide.
+    const Vec3d normal{3.0, 1.0, -1.0};
+    const double third = 1.0 / 3.0;  // below 1/3 by 2^-54 / 3
+    EXPECT_EQ(plane_side({third, 0.0, 0.0}, normal, 1.0), -1);
+    EXPECT_EQ(plane_side({std::nextafter(third, 1.0), 0.0, 0.0}, normal, 1.0), 1);
+    EXPECT_EQ(plane_side({1.0, 1e-30, 1e-30}, normal, 3.0), 0);
+    EXPECT_EQ(plane_side({1.0, 2e-30, 1e-30}, normal, 3.0), 1);
+    EXPECT_EQ(plane_side({1.0, 1e-30, 2e-30}, normal, 3.0), -1);
+    EXPECT_EQ(plane_side({0.0, 5.0, 2.0}, normal, 2.0), 1);
+    EXPECT_EQ(plane_side({0.0, -5.0, 2.0}, normal, 2.0), -1);
+}
+
 TEST(ExactPredicates, ExpansionsFindABitAtTheOtherEndOfTheRange) {
     // a b - c d with a result 2^-104 below its terms.
     const double x = 1.0 + 0x1p-52;

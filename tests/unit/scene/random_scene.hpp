@@ -161,9 +161,14 @@ class RandomScene {
         c.self_contact = flip();
         c.dhat = positive();
         c.dhat_absolute = flip();
-        c.barrier_exponent = between(1, 2);
-        c.hessian = pick<ContactModel>(3);
-        c.mollifier = pick<MollifierModel>(3);
+        c.strengthen = flip();
+        if (flip()) {
+            c.model = ContactFormulation::Ipc;
+        } else {
+            c.barrier_exponent = between(1, 2);
+            c.hessian = pick<ContactModel>(4);
+            c.mollifier = pick<MollifierModel>(3);
+        }
         c.kappa = flip() ? positive() : 0.0;
         c.kappa_min_multiplier = positive();
         c.epsv = positive();
@@ -188,6 +193,7 @@ class RandomScene {
         }
         o.tolerance = positive();
         o.tolerance_absolute = flip();
+        if (flip()) o.gradient_tolerance = positive();
         for (int i = between(0, 30); i > 0; --i)
             o.tolerance_per_step.push_back(positive());
         o.max_newton = between(1, 100000);

@@ -92,6 +92,7 @@ bool inside(const Selection& s, const Vec3d& p) {
 struct HandleCheck {
     int vertices = 0;
     double worst = 0.0;  ///< distance to the reference, m
+    Vec3d sum{};         ///< of the differences, m
 };
 HandleCheck check_handles(const Body& body,
                           const Mesh& mesh,
@@ -109,7 +110,9 @@ HandleCheck check_handles(const Body& body,
             const Vec3d expected{p.x + c.linear[0] * time,
                                  o[1] + std::cos(angle) * y - std::sin(angle) * z,
                                  o[2] + std::sin(angle) * y + std::cos(angle) * z};
-            result.worst = std::max(result.worst, norm(expected - reference[v]));
+            const Vec3d apart = expected - reference[v];
+            result.worst = std::max(result.worst, norm(apart));
+            result.sum += apart;
             ++result.vertices;
         }
     return result;
@@ -135,6 +138,7 @@ HandleCheck check_scene_handles(const std::string& script,
             check_handles(body, mesh.value(), reference.data() + first, time);
         all.vertices += one.vertices;
         all.worst = std::max(all.worst, one.worst);
+        all.sum += one.sum;
         first += mesh.value().x.size();
     }
     return all;
@@ -150,11 +154,13 @@ TEST(SharedScripts, PrescribeTheMotionOfTheReferenceRuns) {
         check_scene_handles("rodsTwist_120.txt", "rodsTwist.step120.txt", 3.0);
     EXPECT_GT(rods.vertices, 100);
     EXPECT_LT(rods.worst, 1e-10);
-    // Near the funnel the reference counts a handle as moved at 99.9 % of the way, step
-    // by step: 1 m in all.
+    // In the funnel the reference drags this handle by springs, which give way in every
+    // direction by up to 1.3 mm; after 1 m the handle as a whole is where the script
+    // sends it.
     const HandleCheck dolphin =
         check_scene_handles("dolphinFunnel_50.txt", "dolphinFunnel.step50.txt", 2.0);
     EXPECT_GT(dolphin.vertices, 20);
+    EXPECT_LT(norm((1.0 / dolphin.vertices) * dolphin.sum), 1e-4);
     EXPECT_LT(dolphin.worst, 2e-3);
 }
 
