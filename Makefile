@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PRESET ?= release
 BUILD := build/$(PRESET)
 
-.PHONY: all help setup build demo test format check clean
+.PHONY: all help setup build demo test paper format check clean
 
 all: build
 
@@ -14,6 +14,8 @@ help:
 	@echo "make demo    build, simulate scenes/demo.json, say where the results are"
 	@echo "make test    build and run all tests"
 	@echo "make build   the program, as build/release/noli"
+	@echo "make paper   every table and figure of the GIPC supplement, a subset in under 20 minutes;"
+	@echo "             make paper FULL=1 takes hours. Results: out/paper"
 	@echo "make check   format, rooms and lint (what CI runs beside the tests)"
 	@echo "make format  reformat the sources"
 
@@ -34,6 +36,12 @@ demo: build
 test: $(BUILD)/build.ninja
 	@cmake --build --preset $(PRESET) -j $(JOBS)
 	@ctest --preset $(PRESET) -j $(JOBS)
+
+# The distribution's Python: it has the packages that setup installs.
+paper: $(BUILD)/build.ninja
+	@bash tools/setup.sh paper
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target noli_cli noli_paper_formulas
+	@/usr/bin/python3 paper/all.py --build $(BUILD) $(if $(FULL),--full)
 
 check:
 	@bash tools/check.sh

@@ -11,6 +11,11 @@ packages=(
     clang-format-14 clang-tidy-14
 )
 
+# `setup.sh paper`: what the scripts in paper/ need besides.
+if [ "${1:-}" = paper ]; then
+    packages+=(python3-numpy python3-matplotlib python3-sympy python3-vtk9 xvfb xauth libgl1-mesa-dri)
+fi
+
 if ! command -v apt-get >/dev/null; then
     echo "setup: this system has no apt. Install the counterparts of these Debian packages yourself:"
     printf '  %s\n' "${packages[@]}"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The CUDA executor: the same interface as exec/cpu.hpp on one GPU. The only file that
-/// launches kernels. Reductions use a fixed partition, so results repeat bitwise on one
+/// The CUDA executor: the same interface as exec/cpu.hpp on one GPU. All kernels of
+/// the simulator are launched here (linear/warp_product.cuh launches its own, for
+/// comparison). Reductions use a fixed partition, so results repeat bitwise on one
 /// kind of device.
 
 #include "core/view.hpp"

@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Dense Hessian blocks per contact pair and their matrix-free product y += H c by
+/// segmented warp reduction: the supplement's data-parallel solver, kept for comparison
+/// with linear/low_rank.hpp. The CUDA kernel is in linear/warp_product.cuh.
+///
+/// One thread owns one scalar entry of one block. All blocks of a buffer have one size,
+/// so entry number i, counted over the whole buffer, is
+///
+///     block i / m^2,   row (i mod m^2) / m,   column i mod m.
+///
+/// A warp is 32 consecutive entries, so rows (m = 6, 9, 12) begin and end anywhere in
+/// it:
+///
+///     m = 9        row 0              row 1              row 2              row 3
+///     entry        0                  9                  18                 27   31
+///     boundary     #  .  ...  .       #  .  ...  .       #  .  ...  .       #  . . .
+///     interval     8  7  ...  0       8  7  ...  0       8  7  ...  0       4  3 .. 0
+///
+/// The next warp begins inside row 3: its lane 0 is a boundary although no row begins
+/// there, and adds the rest of the row with a second atomic.
+///
+/// Source: supplement section 6, Algorithm 1, corrected. What is wrong in print, as the
+/// tests of this file show by running it:
+///  1. R_id <- thread_id x H_dims / m names a row outside the block for every thread but
+///     the first. Right: (thread_id mod H_dims) / m.
+///  2. `thread_id` is two numbers. H_id, C_id and e_id need the index in the grid;
+///     "if thread_id == 0", B_id and l_id the index in the thread block. With the grid
+///     index throughout, only the first thread block sets its shared `offset` and all
+///     others read it uninitialised (right only if that happens to be a multiple of m);
+///     with the block index throughout, every thread block multiplies the same blocks.
+///  3. addToOutputArray(r) gets no address, and the only vertex that is computed, v_id,
+///     is the column's. The sum of a row belongs to vertex R_id / 3, component R_id % 3.
+///  4. Nothing guards threads past the last entry. Without a guard they load past the
+///     buffers; if they return early, the interval of the last row still counts their
+///     lanes, and shuffles read from lanes that have left, which is undefined. Here they
+///     stay and hold 0, so that it does no harm to count them.
+///  5. mark << (w_id + 1) shifts by 32 in lane 31: undefined in C++, harmless after the
+///     clamp. (w_id is the lane, not the "warp index".)
+/// The printed interval, its clamp and the loop are right for full warps. `offset`,
+/// B_id, l_id, the shared variable and the barrier are not needed at all: the first
+/// thread of a thread block is lane 0 of a warp and so a boundary by the second half of
+/// the test, and for all others l_id == 0 says no more than column == 0.
+///
+/// Rows that straddle two warps are added by atomics, so on a GPU the last bits depend on
+/// the order of arrival; linear/low_rank.hpp has no such freedom.
+
+#include "core/stencil.hpp"
+#include "core/view.hpp"
+#include "linear/low_rank.hpp"
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace noli {
+
+inline constexpr int kWarpLanes = 32;
+
+/// Blocks of kSize x kSize numbers on kSize / kDim vertices each, in any memory.
+template <int kSize, int kDim = 3>
+struct DenseBlockView {
+    static_assert(kSize > 0 && kSize <= kWarpLanes && kSize % kDim == 0);
+    static constexpr int kPoints = kSize / kDim;
+
+    View<const double> values;  ///< per block kSize^2 numbers, row-major, N/m
+    View<const int> vertices;   ///< per block kSize / kDim vertices
+
+    [[nodiscard]] NOLI_HD int num_blocks() const { return vertices.size / kPoints; }
+    [[nodiscard]] NOLI_HD std::uint32_t num_entries() const {
+        return static_cast<std::uint32_t>(values.size);
+    }
+    /// Where component `i` of a block's local vector lies in a global one.
+    [[nodiscard]] NOLI_HD int global_index(int block, int i) const {
+        return kDim * vertices[kPoints * block + i / kDim] + i % kDim;
+    }
+};
+
+/// The entries [begin, end) of a buffer; either end may lie inside a row.
+struct EntryRange {
+    std::uint32_t begin;
+    std::uint32_t end;
+};
+
+/// What one thread works on.
+struct WarpEntry {
+    int block;
+    int row;
+    int col;
+    bool valid;     ///< false past the end of the range: takes part, adds nothing
+    bool boundary;  ///< first lane of a run of entries of one row
+};
+
+/// The work of the thread in `lane` of its warp with entry number `index`.
+template <int kSize>
+NOLI_HD inline WarpEntry warp_entry(std::uint32_t index, std::uint32_t end, int lane) {
+    const auto within = static_cast<int>(index % (kSize * kSize));
+    const int col = within % kSize;
+    return {.block = static_cast<int>(index / (kSize * kSize)),
+            .row = within / kSize,
+            .col = col,
+            .valid = index < end,
+            .boundary = lane == 0 || col == 0};
+}
+
+/// H(row, col) c(col) of one entry; 0 past the end, where nothing may be read.
+template <int kSize, int kDim>
+NOLI_HD inline double entry_product(const WarpEntry& e,
+                                    const DenseBlockView<kSize, kDim>& blocks,
+                                    View<const double> c) {
+    if (!e.valid) return 0.0;
+    const int at = (e.block * kSize + e.row) * kSize + e.col;
+    return blocks.values[at] * c[blocks.global_index(e.block, e.col)];
+}
+
+NOLI_HD inline std::uint32_t reverse_bits(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+    return __brev(bits);
+#else
+    std::uint32_t out = 0;
+    for (int i = 0; i < 32; ++i)
+        out |= ((bits >> i) & 1U) << (31 - i);
+    return out;
+#endif
+}
+
+/// 32 for 0.
+NOLI_HD inline int leading_zeros(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+    return __clz(static_cast<int>(bits));
+#else
+    return std::countl_zero(bits);
+#endif
+}
+
+/// Number of lanes after `lane` that belong to the same run; bit l of `boundaries` is set
+/// where lane l is a boundary.
+NOLI_HD inline int reduction_interval(std::uint32_t boundaries, int lane) {
+    const int behind = kWarpLanes - 1 - lane;
+    if (behind == 0) return 0;  // a shift by 32 is undefined
+    const int run = leading_zeros(reverse_bits(boundaries) << (lane + 1));
+    return run < behind ? run : behind;  // no boundary behind this lane: run is 32
+}
+
+/// One warp's part of y += H c: entries first, ..., first + 31, none at or past `end`.
+///
+/// The text of all 32 lanes at once. What differs by lane is a Warp::Register, made by
+/// each() and read by at(): one value per thread on a GPU, 32 values on the host. In
+/// shuffle_down every lane sees its neighbours' values from before the addition. The loop
+/// doubles the reach of every sum: after the steps 1, 2, .., s a lane holds the sum of
+/// the next min(2 s, interval + 1) entries.
+template <int kSize, int kDim, class Warp>
+NOLI_HD inline void warp_multiply_add(Warp warp,
+                                      std::uint32_t first,
+                                      std::uint32_t end,
+                                      const DenseBlockView<kSize, kDim>& blocks,
+                                      View<const double> c,
+                                      View<double> y) {
+    const auto entry = warp.each([&](int lane) {
+        return warp_entry<kSize>(first + static_cast<std::uint32_t>(lane), end, lane);
+    });
+    const std::uint32_t boundaries =
+        warp.ballot([&](int lane) { return warp.at(entry, lane).boundary; });
+    const auto interval =
+        warp.each([&](int lane) { return reduction_interval(boundaries, lane); });
+    auto sum = warp.each(
+        [&](int lane) { return entry_product(warp.at(entry, lane), blocks, c); });
+    for (int step = 1; step < kSize; step *= 2) {
+        const auto behind = warp.shuffle_down(sum, step);
+        sum = warp.each([&](int lane) {
+            const double own = warp.at(sum, lane);
+            return warp.at(interval, lane) >= step ? own + warp.at(behind, lane) : own;
+        });
+    }
+    warp.run([&](int lane) {
+        const WarpEntry& e = warp.at(entry, lane);
+        if (e.boundary && e.valid)
+            warp.add(y[blocks.global_index(e.block, e.row)], warp.at(sum, lane));
+    });
+}
+
+/// A warp on the host, all lanes in lockstep, with CUDA's rules for what lanes exchange.
+struct SimulatedWarp {
+    template <class T>
+    struct Register {
+        T lane[kWarpLanes];
+    };
+    std::uint32_t active = ~std::uint32_t{0};  ///< lanes that have not returned
+    int* num_writes = nullptr;                 ///< counts the additions, if given
+
+    template <class F>
+    NOLI_HD auto each(F f) const {
+        Register<decltype(f(0))> out{};
+        for (int lane = 0; lane < kWarpLanes; ++lane)
+            if (is_active(lane)) out.lane[lane] = f(lane);
+        return out;
+    }
+    template <class F>
+    NOLI_HD void run(F f) const {
+        for (int lane = 0; lane < kWarpLanes; ++lane)
+            if (is_active(lane)) f(lane);
+    }
+    template <class T>
+    NOLI_HD static const T& at(const Register<T>& r, int lane) {
+        return r.lane[lane];
+    }
+    /// Bit l says what f(l) is; 0 for lanes that have returned.
+    template <class F>
+    NOLI_HD std::uint32_t ballot(F f) const {
+        std::uint32_t bits = 0;
+        for (int lane = 0; lane < kWarpLanes; ++lane)
+            if (is_active(lane) && f(lane)) bits |= std::uint32_t{1} << lane;
+        return bits;
+    }
+    /// Lane l gets the value of lane l + delta, its own where there is no such lane, and
+    /// NaN from a lane that has returned (undefined on a GPU).
+    NOLI_HD Register<double> shuffle_down(const Register<double>& r, int delta) const {
+        Register<double> out{};
+        for (int lane = 0; lane < kWarpLanes; ++lane) {
+            const int from = lane + delta < kWarpLanes ? lane + delta : lane;
+            out.lane[lane] =
+                is_active(from) ? r.lane[from] : std::numeric_limits<double>::quiet_NaN();
+        }
+        return out;
+    }
+    NOLI_HD void add(double& to, double amount) const {
+        to += amount;
+        if (num_writes != nullptr) ++*num_writes;
+    }
+    [[nodiscard]] NOLI_HD bool is_active(int lane) const {
+        return ((active >> lane) & 1U) != 0;
+    }
+};
+
+/// y += H c over the entries of `range`, as a grid of whole thread blocks would compute
+/// it. threads_per_block must be a multiple of 32. Returns the number of additions to y
+/// (atomics on a GPU).
+template <int kSize, int kDim>
+int simulate_warp_product(const DenseBlockView<kSize, kDim>& blocks,
+                          EntryRange range,
+                          int threads_per_block,
+                          View<const double> c,
+                          View<double> y) {
+    NOLI_DCHECK(threads_per_block > 0 && threads_per_block % kWarpLanes == 0);
+    NOLI_DCHECK(range.begin <= range.end && range.end <= blocks.num_entries());
+    int num_writes = 0;
+    const auto threads = static_cast<std::uint32_t>(threads_per_block);
+    const std::uint32_t num_thread_blocks =
+        (range.end - range.begin + threads - 1) / threads;
+    for (std::uint32_t b = 0; b < num_thread_blocks; ++b)
+        for (std::uint32_t thread = 0; thread < threads; thread += kWarpLanes)
+            warp_multiply_add(SimulatedWarp{.num_writes = &num_writes},
+                              range.begin + b * threads + thread,
+                              range.end,
+                              blocks,
+                              c,
+                              y);
+    return num_writes;
+}
+
+/// out = sum_k q_k q_k^T, row-major, (3 S)^2 numbers.
+template <int S, int R>
+NOLI_HD inline void dense_block(const StencilModes<S, R>& modes, double* out) {
+    for (int i = 0; i < 3 * S; ++i)
+        for (int j = 0; j < 3 * S; ++j) {
+            double sum = 0.0;
+            for (int k = 0; k < modes.rank; ++k)
+                sum += modes.q[k][i / 3][i % 3] * modes.q[k][j / 3][j % 3];
+            out[3 * S * i + j] = sum;
+        }
+}
+
+/// The buffer of one pair type on S points.
+template <class Exec, int S>
+struct DenseBlocks {
+    typename Exec::template Buffer<double> values;  ///< (3 S)^2 per block, row-major
+    typename Exec::template Buffer<int> vertices;   ///< S per block
+
+    /// Contents are undefined afterwards. At most 14.9 million blocks of 12 x 12: entries
+    /// are counted in an int.
+    void resize(int num_blocks) {
+        NOLI_DCHECK(num_blocks <= std::numeric_limits<int>::max() / (9 * S * S));
+        values.resize(9 * S * S * num_blocks);
+        vertices.resize(S * num_blocks);
+    }
+    [[nodiscard]] DenseBlockView<3 * S> view() const {
+        return {values.view(), vertices.view()};
+    }
+    [[nodiscard]] int num_blocks() const { return vertices.size() / S; }
+};
+
+/// Bytes stored per pair on S points: dense block and vertices.
+template <int S>
+inline constexpr std::size_t kDenseBytes = 9 * S* S * sizeof(double) + S * sizeof(int);
+
+/// Bytes that LowRankTerms stores per pair with `rank` modes: modes, vertices, first
+/// mode.
+constexpr std::size_t low_rank_bytes(int rank) {
+    return static_cast<std::size_t>(rank) * sizeof(Mode) + sizeof(Int4) + sizeof(int);
+}
+
+namespace detail {
+
+/// The vertices of blocks, as terms of four slots from term `first` on.
+template <int S, class Exec>
+void copy_block_vertices(Exec& exec,
+                         const DenseBlockView<3 * S>& blocks,
+                         int first,
+                         View<Int4> terms) {
+    exec.for_each("linear/block_vertices", blocks.num_blocks(), [=] NOLI_HD(int b) {
+        Int4 v{{-1, -1, -1, -1}};
+        for (int s = 0; s < S; ++s)
+            v[s] = blocks.vertices[S * b + s];
+        terms[first + b] = v;
+    });
+}
+
+/// forces[4 (first + b) + slot] = the block's rows of that slot times the local c
+template <int S, class Exec>
+void block_forces(Exec& exec,
+                  const DenseBlockView<3 * S>& blocks,
+                  int first,
+                  View<const Vec3d> c,
+                  View<Vec3d> forces) {
+    exec.for_each("linear/block_forces", blocks.num_blocks(), [=] NOLI_HD(int b) {
+        double local[3 * S];
+        for (int s = 0; s < S; ++s)
+            for (int k = 0; k < 3; ++k)
+                local[3 * s + k] = c[blocks.vertices[S * b + s]][k];
+        const double* h = blocks.values.data + 9 * S * S * b;
+        for (int s = 0; s < S; ++s, h += 9 * S) {
+            Vec3d sum{0.0, 0.0, 0.0};
+            for (int j = 0; j < 3 * S; ++j) {
+                sum.x += h[j] * local[j];
+                sum.y += h[3 * S + j] * local[j];
+                sum.z += h[6 * S + j] * local[j];
+            }
+            forces[kSlotsPerTerm * (first + b) + s] = sum;
+        }
+    });
+}
+
+}  // namespace detail
+
+/// Dense blocks of all contacts in four buffers by pair type, and their product on an
+/// executor without atomics: forces per slot, then a sum per vertex, exactly as
+/// LowRankTerms does it, so that the two differ in nothing but how a pair is stored.
+/// Whoever owns the pairs fills the buffers and calls build_incidence.
+template <class Exec>
+class WarpProduct {
+  public:
+    DenseBlocks<Exec, 2> point_point;
+    DenseBlocks<Exec, 3> point_edge;
+    DenseBlocks<Exec, 4> point_triangle;
+    DenseBlocks<Exec, 4> edge_edge;
+
+    [[nodiscard]] int num_pairs() const { return edge_edge_begin() + ee(); }
+    [[nodiscard]] std::size_t bytes() const {
+        return static_cast<std::size_t>(pp())
+                 * kDenseBytes<
+                     2> + static_cast<std::size_t>(pe()) * kDenseBytes<3> + static_cast<std::size_t>(pt() + ee()) * kDenseBytes<4>;
+    }
+
+    /// Finds the slots of each touched vertex. Call after vertices changed.
+    void build_incidence(Exec& exec, int num_vertices) {
+        terms_.resize(num_pairs(), 0);
+        forces_.resize(kSlotsPerTerm * num_pairs());
+        const View<Int4> to = terms_.vertices.view();
+        detail::copy_block_vertices<2>(exec, point_point.view(), 0, to);
+        detail::copy_block_vertices<3>(exec, point_edge.view(), pp(), to);
+        detail::copy_block_vertices<4>(exec, point_triangle.view(), pp() + pe(), to);
+        detail::copy_block_vertices<4>(exec, edge_edge.view(), edge_edge_begin(), to);
+        terms_.build_incidence(exec, num_vertices);
+    }
+
+    /// y += H c
+    void multiply_add(Exec& exec, View<const Vec3d> c, View<Vec3d> y) {
+        if (num_pairs() == 0) return;
+        const View<Vec3d> f = forces_.view();
+        detail::block_forces<2>(exec, point_point.view(), 0, c, f);
+        detail::block_forces<3>(exec, point_edge.view(), pp(), c, f);
+        detail::block_forces<4>(exec, point_triangle.view(), pp() + pe(), c, f);
+        detail::block_forces<4>(exec, edge_edge.view(), edge_edge_begin(), c, f);
+        terms_.gather_add(exec, View<const Vec3d>(f), y);
+    }
+
+  private:
+    [[nodiscard]] int pp() const { return point_point.num_blocks(); }
+    [[nodiscard]] int pe() const { return point_edge.num_blocks(); }
+    [[nodiscard]] int pt() const { return point_triangle.num_blocks(); }
+    [[nodiscard]] int ee() const { return edge_edge.num_blocks(); }
+    [[nodiscard]] int edge_edge_begin() const { return pp() + pe() + pt(); }
+
+    LowRankTerms<Exec> terms_;  // no modes: only who touches which vertex
+    typename Exec::template Buffer<Vec3d> forces_;
+};
+
+/// The same numbers one by one, as the warp product reads them.
+inline View<const double> components(View<const Vec3d> v) {
+    static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+    return {reinterpret_cast<const double*>(v.data), 3 * v.size};
+}
+inline View<double> components(View<Vec3d> v) {
+    return {reinterpret_cast<double*>(v.data), 3 * v.size};
+}
+
+}  // namespace noli
