@@ -70,7 +70,9 @@ def show(value):
     """A table cell: floats with three significant digits."""
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
-    return f"{value:.3g}" if isinstance(value, (float, np.floating)) else str(value)
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.3g}"
+    return str(value).replace("|", "\\|")
 
 
 class Report:

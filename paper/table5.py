@@ -40,7 +40,7 @@ def jobs_of(noli, full):
         return jobs
     seconds = DOLPHIN_SECONDS["full" if full else "quick"]
     for dt, printed in PRINTED_DOLPHIN.items():
-        if full or dt in (0.02, 0.05):
+        if full or dt == 0.05:
             jobs.append((f"dolphin dt {dt:g}", runs.merged(dolphin, {"dt": dt, "duration": seconds}),
                          round(seconds / dt), printed))
     return jobs

@@ -22,7 +22,6 @@
 #include "core/stencil.hpp"
 #include "energy/barrier.hpp"
 #include "energy/contact_frame.hpp"
-#include "energy/numeric_hessian.hpp"
 #include "energy/small_eigen.hpp"
 
 #include <cstdint>
@@ -243,15 +242,18 @@ NOLI_HD inline void append_exact_modes(PairKind kind,
 
 /// PSD Hessian of a pair as at most kPairModes<S> modes q, H = sum_k q_k q_k^T, N/m.
 ///
-/// Source:  MATH 2.1 (GaussNewton), 2.5 (GaussNewtonPlus, Exact, Numeric)
+/// Source:  MATH 2.1 (GaussNewton), 2.5 (GaussNewtonPlus, Exact)
 /// Valid:   d > 0; finite for collapsed edges and triangles (their tangents are dropped)
 /// Smooth:  zero from d = dhat on. GaussNewton is continuous where the kind changes; the
 ///          others jump there, as hess d does
+/// Numeric is not among these: numeric_pair_hessian(), whose 12 x 12 matrices no GPU
+/// kernel of the others should carry.
 template <int S>
 NOLI_HD inline StencilModes<S, kPairModes<S>> pair_hessian(ContactHessian model,
                                                            PairKind kind,
                                                            const Stencil<S>& x,
                                                            const BarrierParams& params) {
+    NOLI_DCHECK(model != ContactHessian::Numeric);
     StencilModes<S, kPairModes<S>> out{};
     if (model == ContactHessian::GaussNewton) {
         const PairGeometry<S> pair = pair_geometry(kind, x);
@@ -266,10 +268,6 @@ NOLI_HD inline StencilModes<S, kPairModes<S>> pair_hessian(ContactHessian model,
     }
     const BarrierJet b =
         barrier(params.exponent, frame.d * frame.d, params.dhat * params.dhat);
-    if (model == ContactHessian::Numeric) {
-        append_numeric_modes(frame, b, params.kappa, out);
-        return out;
-    }
     detail::append_gauss_newton_mode<S>(frame.d, frame.n, frame.w, params, out);
     detail::append_curvature_modes(frame, -params.kappa * b.d1, out);
     return out;

@@ -10,9 +10,7 @@
 /// time; Exact gives the same matrix from a problem of size 1, 3, 5.
 /// Source: MATH 2.5 (grad D and hess D as in contact_frame.hpp).
 
-#include "energy/barrier.hpp"
-#include "energy/contact_frame.hpp"
-#include "energy/small_eigen.hpp"
+#include "energy/contact_pair.hpp"
 
 namespace noli {
 
@@ -55,30 +53,32 @@ NOLI_HD inline void full_pair_hessian(const ContactFrame<S>& f,
 
 }  // namespace detail
 
-/// Appends the positive eigenpairs of the full Hessian, largest first, as far as there is
-/// room: there are at most S - 1 (contact_pair.hpp); what exceeds them is rounding.
-/// In:      b      barrier at D = d^2
-///          kappa  J/m^4
-template <int S, int R>
-NOLI_HD inline void append_numeric_modes(const ContactFrame<S>& f,
-                                         const BarrierJet& b,
-                                         double kappa,
-                                         StencilModes<S, R>& out) {
+/// PSD Hessian of a pair: the positive eigenpairs of the full matrix, largest first.
+/// There are at most S - 1 (contact_pair.hpp); what exceeds them is rounding. Valid:   d
+/// > 0
+template <int S>
+NOLI_HD inline StencilModes<S, kPairModes<S>> numeric_pair_hessian(
+    PairKind kind, const Stencil<S>& x, const BarrierParams& params) {
+    StencilModes<S, kPairModes<S>> out{};
+    const ContactFrame<S> f = contact_frame(kind, x);
+    if (!(f.d < params.dhat)) return out;
     double H[3 * S][3 * S];
-    detail::full_pair_hessian<S>(f, b, H);
+    detail::full_pair_hessian<S>(
+        f, barrier(params.exponent, f.d * f.d, params.dhat * params.dhat), H);
     SymmetricEigen<3 * S> eigen = eigen_symmetric<3 * S>(H);
-    while (out.rank < R) {
+    while (out.rank < kPairModes<S>) {
         int best = 0;
         for (int k = 1; k < 3 * S; ++k)
             if (eigen.values[k] > eigen.values[best]) best = k;
-        if (!(eigen.values[best] > 0.0)) return;
-        const double scale = std::sqrt(kappa * eigen.values[best]);
+        if (!(eigen.values[best] > 0.0)) break;
+        const double scale = std::sqrt(params.kappa * eigen.values[best]);
         eigen.values[best] = 0.0;
         const double(&z)[3 * S] = eigen.vectors[best];
         for (int i = 0; i < S; ++i)
             out.q[out.rank][i] = scale * Vec3d{z[3 * i], z[3 * i + 1], z[3 * i + 2]};
         ++out.rank;
     }
+    return out;
 }
 
 }  // namespace noli

@@ -8,6 +8,7 @@
 #include "energy/contact_pair.hpp"
 #include "energy/half_space.hpp"
 #include "energy/mollified_pair.hpp"
+#include "energy/numeric_hessian.hpp"
 #include "linear/low_rank.hpp"
 
 namespace noli {
@@ -114,6 +115,17 @@ void fill_pair_terms(Exec& exec,
                      View<const Vec3d> x,
                      ContactLaw law,
                      TermRange out) {
+    if (law.hessian == ContactHessian::Numeric) {
+        exec.for_each("objective/numeric_pair_terms", pairs.size, [=] NOLI_HD(int i) {
+            const Stencil<S> at = detail::load_stencil<S>(x, pairs[i]);
+            detail::store_term(out,
+                               i,
+                               pairs[i].v,
+                               pair_gradient(kind, at, law.barrier),
+                               numeric_pair_hessian(kind, at, law.barrier));
+        });
+        return;
+    }
     exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
         const Stencil<S> at = detail::load_stencil<S>(x, pairs[i]);
         detail::store_term(out,

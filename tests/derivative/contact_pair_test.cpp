@@ -5,6 +5,7 @@
 
 #include "derivative/contact_oracle.hpp"
 #include "energy/half_space.hpp"
+#include "energy/numeric_hessian.hpp"
 
 #include <gtest/gtest.h>
 
@@ -92,7 +93,7 @@ TEST(ContactPair, ExactHessianEqualsTheProjectionOfTheWholeMatrix) {
     sweep(4, 20, [&]<int S>(PairKind kind, const Stencil<S>& x, int r) {
         const auto reference = positive_part<typename Jet<3 * S>::Hessian>(
             kKappa * pair_oracle(kind, x, r, kDhat).h);
-        const auto modes = pair_hessian(ContactHessian::Numeric, kind, x, params_of(r));
+        const auto modes = numeric_pair_hessian(kind, x, params_of(r));
         EXPECT_LE(relative_error(dense(modes), reference), 1e-9);
         EXPECT_LE(modes.rank, max_rank(kind, ContactHessian::Numeric));
     });
