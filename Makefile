@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PRESET ?= release
 BUILD := build/$(PRESET)
 
-.PHONY: all help setup build demo test paper format check clean
+.PHONY: all help setup build demo test paper bench format check clean
 
 all: build
 
@@ -16,6 +16,8 @@ help:
 	@echo "make build   the program, as build/release/noli"
 	@echo "make paper   every table and figure of the GIPC supplement, a subset in under 20 minutes;"
 	@echo "             make paper FULL=1 takes hours. Results: out/paper"
+	@echo "make bench   kernels and whole scenes, timed against the memory bandwidth and a baseline in the"
+	@echo "             same run, about ten minutes; make bench FULL=1 takes hours. Results: out/bench"
 	@echo "make check   format, rooms and lint (what CI runs beside the tests)"
 	@echo "make format  reformat the sources"
 
@@ -42,6 +44,9 @@ paper: $(BUILD)/build.ninja
 	@bash tools/setup.sh paper
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target noli_cli noli_paper_formulas
 	@/usr/bin/python3 paper/all.py --build $(BUILD) $(if $(FULL),--full)
+
+bench: $(BUILD)/build.ninja
+	@python3 bench/all.py --build $(BUILD) --jobs $(JOBS) $(if $(FULL),--full)
 
 check:
 	@bash tools/check.sh

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Time per tetrahedron of energy + gradient + projected Hessian, one thread, data in
-/// cache. NOLI_SIMD=2|4|8 in the environment chooses the pack width.
+/// cache, without and with the barrier against crushing that the engine always adds.
+/// NOLI_SIMD=2|4|8 in the environment chooses the pack width.
 
 #include "core/pack.hpp"
 #include "energy/tet.hpp"
@@ -50,7 +51,7 @@ struct Blocks {
     }
 };
 
-template <ElasticModel M>
+template <ElasticModel M, bool kResist>
 struct DerivativesKernel {
     Blocks<kShapeValues> in;
     Blocks<kResultValues> out;
@@ -71,7 +72,7 @@ struct DerivativesKernel {
                               in.template load<T>(21, i)};
         const LameParameters<T> lame{in.template load<T>(22, i),
                                      in.template load<T>(23, i)};
-        const TetDerivatives<T> d = tet_derivatives<M>(tet, lame);
+        const TetDerivatives<T> d = tet_derivatives<M, kResist>(tet, lame);
         out.store(0, i, d.energy);
 #pragma GCC unroll 4
         for (int v = 0; v < 4; ++v) {
@@ -108,14 +109,15 @@ std::vector<double> random_tets() {
     return values;
 }
 
-template <ElasticModel M>
+template <ElasticModel M, bool kResist>
 void derivatives(benchmark::State& state) {
     std::vector<double> in = random_tets();
     std::vector<double> out(kResultValues * kNumTets);
     SerialExec exec;
     for (auto _ : state) {
-        exec.for_lanes(
-            "bench/elastic", kNumTets, DerivativesKernel<M>{{in.data()}, {out.data()}});
+        exec.for_lanes("bench/elastic",
+                       kNumTets,
+                       DerivativesKernel<M, kResist>{{in.data()}, {out.data()}});
         benchmark::ClobberMemory();
     }
     state.counters["per_tet"] =
@@ -123,9 +125,14 @@ void derivatives(benchmark::State& state) {
                            benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-BENCHMARK(derivatives<ElasticModel::StableNeoHookean>)->Name("stable_neo_hookean");
-BENCHMARK(derivatives<ElasticModel::NeoHookean>)->Name("neo_hookean");
-BENCHMARK(derivatives<ElasticModel::FixedCorotated>)->Name("fixed_corotated");
+BENCHMARK(derivatives<ElasticModel::StableNeoHookean, false>)->Name("stable_neo_hookean");
+BENCHMARK(derivatives<ElasticModel::StableNeoHookean, true>)
+    ->Name("stable_neo_hookean/resisting");
+BENCHMARK(derivatives<ElasticModel::NeoHookean, false>)->Name("neo_hookean");
+BENCHMARK(derivatives<ElasticModel::NeoHookean, true>)->Name("neo_hookean/resisting");
+BENCHMARK(derivatives<ElasticModel::FixedCorotated, false>)->Name("fixed_corotated");
+BENCHMARK(derivatives<ElasticModel::FixedCorotated, true>)
+    ->Name("fixed_corotated/resisting");
 
 }  // namespace
 }  // namespace noli

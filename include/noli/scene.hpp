@@ -186,7 +186,7 @@ struct SolverSettings {
         tolerance_per_step;  ///< overrides `tolerance` for step k; the last one repeats
     int max_newton = 1000;
     LinearSolver linear = LinearSolver::Pcg;
-    double pcg_tolerance = 1e-4;  ///< on r^T P^-1 r, relative (MATH 10)
+    double pcg_tolerance = 0.0;  ///< on r^T P^-1 r, relative (MATH 10); 0 = automatic
     int max_pcg = 20000;
 };
 

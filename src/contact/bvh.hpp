@@ -19,6 +19,7 @@
 
 #include "contact/box_block.hpp"
 #include "contact/moving_box.hpp"
+#include "core/morton.hpp"
 #include "core/vec.hpp"
 #include "core/view.hpp"
 
@@ -91,38 +92,6 @@ NOLI_HD inline void visit_leaves(const BvhView<Box, Ids>& tree,
         j = stack[size] / kMaxLevels;
     }
 }
-
-/// Spreads the low 21 bits of v to every third bit.
-NOLI_HD inline std::uint64_t spread_bits(std::uint64_t v) {
-    v = (v | (v << 32)) & 0x001F00000000FFFFULL;
-    v = (v | (v << 16)) & 0x001F0000FF0000FFULL;
-    v = (v | (v << 8)) & 0x100F00F00F00F00FULL;
-    v = (v | (v << 4)) & 0x10C30C30C30C30C3ULL;
-    return (v | (v << 2)) & 0x1249249249249249ULL;
-}
-
-inline constexpr double kMortonCells = 2097152.0;  ///< per axis, 2^21
-
-/// Number of a cell on one axis; outside of the grid the nearest cell, 0 for NaN.
-NOLI_HD inline std::uint64_t morton_cell(double c) {
-    return static_cast<std::uint64_t>(std::fmin(std::fmax(c, 0.0), kMortonCells - 1.0));
-}
-
-/// 63-bit Morton code of a point with coordinates in [0, kMortonCells).
-NOLI_HD inline std::uint64_t morton_code(const Vec3d& cell) {
-    return spread_bits(morton_cell(cell.x)) | (spread_bits(morton_cell(cell.y)) << 1)
-         | (spread_bits(morton_cell(cell.z)) << 2);
-}
-
-/// Cube that all centres lie in, cut into kMortonCells^3 cells.
-struct MortonGrid {
-    Vec3d origin;
-    double cells_per_metre;
-
-    [[nodiscard]] NOLI_HD std::uint64_t code(const Vec3d& x) const {
-        return morton_code(cells_per_metre * (x - origin));
-    }
-};
 
 /// Mean of the vertices of a primitive.
 template <class Ids>

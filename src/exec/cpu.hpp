@@ -7,14 +7,17 @@
 #include "core/view.hpp"
 #include "exec/buffer.hpp"
 #include "exec/lanes.hpp"
+#include "exec/team.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <vector>
 #if defined(__SANITIZE_THREAD__)
@@ -25,13 +28,23 @@ namespace noli {
 
 namespace detail {
 
-/// Runs f(i) for i in [0, n) with TBB; small loops stay on this thread.
+/// Runs f(i) for i in [0, n) with TBB, or with the team that stands by; small loops stay
+/// on this thread.
 struct TbbOrder {
+    static constexpr int kMostThreads = 16;  ///< of a team
+
     template <class F>
     static void run(int n, int grain, const F& f) {
         if (n <= grain) {
             for (int i = 0; i < n; ++i)
                 f(i);
+            return;
+        }
+        if (Team* team = Team::current(); team != nullptr) {
+            team->run(n, grain, [&f](int begin, int end) {
+                for (int i = begin; i < end; ++i)
+                    f(i);
+            });
             return;
         }
 #if defined(__SANITIZE_THREAD__)
@@ -92,6 +105,19 @@ class HostExec {
     template <class T>
     using Buffer = HostBuffer<T>;
     static constexpr bool kIsDevice = false;
+
+    /// While the result lives, threads stand by for the loops of this thread: worth it
+    /// where many short loops follow each other.
+    auto stand_by() {
+        if constexpr (requires { Order::kMostThreads; }) {
+            if (!team_)
+                team_ = std::make_unique<Team>(std::min(
+                    Order::kMostThreads, tbb::this_task_arena::max_concurrency()));
+            return TeamScope(*team_);
+        } else {
+            return 0;
+        }
+    }
 
     /// f(i) for every i in [0, n). `grain` is the least number of items worth a task.
     template <class F>
@@ -213,6 +239,7 @@ class HostExec {
     }
 
     std::vector<double> partial_;
+    std::unique_ptr<Team> team_;
 };
 
 using CpuExec = HostExec<detail::TbbOrder>;

@@ -14,6 +14,20 @@ Numbering number_free_vertices(std::span<const std::uint8_t> fixed) {
     return numbering;
 }
 
+Numbering number_free_vertices(std::span<const std::uint8_t> fixed,
+                               std::span<const int> order) {
+    if (order.empty()) return number_free_vertices(fixed);
+    Numbering numbering;
+    numbering.rank.assign(fixed.size(), -1);
+    for (const int v : order) {
+        if (fixed[static_cast<std::size_t>(v)] != 0) continue;
+        numbering.rank[static_cast<std::size_t>(v)] =
+            static_cast<int>(numbering.vertex.size());
+        numbering.vertex.push_back(v);
+    }
+    return numbering;
+}
+
 namespace {
 
 /// Appends row k of a block row, which is a column of the upper triangle.

@@ -56,6 +56,10 @@ struct Numbering {
 
 Numbering number_free_vertices(std::span<const std::uint8_t> fixed);
 
+/// The same with unknowns in the order in which `order` lists all vertices.
+Numbering number_free_vertices(std::span<const std::uint8_t> fixed,
+                               std::span<const int> order);
+
 /// Scalar upper triangle of merged blocks.
 SparseMatrix to_sparse(const MergedBlocks& blocks);
 

@@ -8,7 +8,7 @@ namespace noli {
 
 namespace {
 
-constexpr int kBlocksPerGroup = 8;
+constexpr int kBlocksPerGroup = 4;
 
 std::size_t at(int i) {
     return static_cast<std::size_t>(i);
@@ -84,8 +84,9 @@ void append_group(const std::vector<int>& blocks,
 ColouredRows colour_rows(const OperatorView& op,
                          View<const int> touched_index,
                          View<const std::uint8_t> fixed,
+                         std::span<const int> order,
                          int rows_per_block) {
-    const Numbering free = number_free_vertices({fixed.data, at(fixed.size)});
+    const Numbering free = number_free_vertices({fixed.data, at(fixed.size)}, order);
     const std::vector<int> colour =
         colour_blocks(op, touched_index, free, rows_per_block);
     const int num_colours =

@@ -5,13 +5,13 @@
 ///
 /// Unknowns are cut into blocks of consecutive ones; blocks are coloured so that coupled
 /// blocks differ; rows are sorted by colour. A sweep visits the colours one after the
-/// other. Within a colour, up to eight blocks form a group, the unit of parallel work,
+/// other. Within a colour, up to four blocks form a group, the unit of parallel work,
 /// and their rows are interleaved (first row of each block, then the second rows ...), so
 /// that neighbouring rows do not wait for each other's result:
 ///
 ///     colour 0                                     colour 1
 ///     group 0            group 1                   group 2
-///     a0 b0 .. h0 a1 ..  i0 j0 .. p0 i1 j1 ..      ...
+///     a0 b0 c0 d0 a1 ..  e0 f0 g0 h0 e1 ..         ...
 ///
 /// Nothing depends on the number of threads.
 ///
@@ -32,10 +32,12 @@ struct ColouredRows {
     std::vector<int> colour_begin;  ///< num_colours + 1: first group of each colour
 };
 
-/// Cuts the free vertices into blocks of `rows_per_block` and colours them greedily.
+/// Cuts the free vertices, in the given order of all vertices (empty: their own), into
+/// blocks of `rows_per_block` and colours them greedily.
 ColouredRows colour_rows(const OperatorView& op,
                          View<const int> touched_index,
                          View<const std::uint8_t> fixed,
+                         std::span<const int> order,
                          int rows_per_block);
 
 /// Pattern of block matrix + low-rank terms in colour order, by rows of the lower
@@ -43,6 +45,13 @@ ColouredRows colour_rows(const OperatorView& op,
 class ColouredOperator {
   public:
     explicit ColouredOperator(int rows_per_block) : rows_per_block_(rows_per_block) {}
+
+    /// The order of the vertices that blocks are cut from. Neighbours should be near:
+    /// then few blocks are coupled, and few colours do.
+    void set_order(std::span<const int> order) {
+        order_.assign(order.begin(), order.end());
+        seen_row_begin_.clear();
+    }
 
     /// Brings the pattern up to date. Returns false when it was.
     template <class Exec>
@@ -52,7 +61,8 @@ class ColouredOperator {
         static_assert(!Exec::kIsDevice, "sweeps run on the CPU");
         if (!changed(op, fixed)) return false;
         touched_ = detail::touched_of_vertex(op);
-        rows_ = colour_rows(op, detail::const_view(touched_), fixed, rows_per_block_);
+        rows_ = colour_rows(
+            op, detail::const_view(touched_), fixed, order_, rows_per_block_);
         merge_pattern(
             loop_on(exec), op, detail::const_view(touched_), rows_.numbering, lower_);
         transpose();
@@ -126,6 +136,7 @@ class ColouredOperator {
     void transpose();
 
     int rows_per_block_;
+    std::vector<int> order_;
     ColouredRows rows_;
     MergedBlocks lower_;
     std::vector<int> touched_;  ///< per vertex: its index among the touched ones, or -1

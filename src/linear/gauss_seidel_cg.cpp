@@ -2,6 +2,7 @@
 #include "linear/gauss_seidel_cg.hpp"
 
 #include "exec/lanes.hpp"
+#include "linear/wide.hpp"
 
 #include <cmath>
 
@@ -9,17 +10,12 @@ namespace noli {
 
 namespace {
 
-typedef double Double4 __attribute__((vector_size(32), aligned(8), may_alias));
+using detail::load_wide;
+using detail::wide;
+using Double4 = detail::Wide;
 
 std::size_t at(int i) {
     return static_cast<std::size_t>(i);
-}
-
-Double4& wide(double* v) {
-    return *reinterpret_cast<Double4*>(v);
-}
-const Double4& wide(const double* v) {
-    return *reinterpret_cast<const Double4*>(v);
 }
 
 /// Running sums of B x over column-major 3x3 blocks B, one per column so that they do not
@@ -28,10 +24,11 @@ const Double4& wide(const double* v) {
 struct ColumnSums {
     Double4 c0{}, c1{}, c2{};
 
-    void add(const double* block, const double* x) {
-        c0 += wide(block) * x[0];
-        c1 += wide(block + 3) * x[1];
-        c2 += wide(block + 6) * x[2];
+    template <class Number>
+    void add(const Number* block, const double* x) {
+        c0 += load_wide(block) * x[0];
+        c1 += load_wide(block + 3) * x[1];
+        c2 += load_wide(block + 6) * x[2];
     }
     [[nodiscard]] Double4 total() const {
         const Double4 sum = c0 + c1 + c2;
@@ -44,8 +41,9 @@ double add_lanes(const Double4& v) {
     return v[0] + v[1] + v[2];
 }
 
+template <class Number>
 inline __attribute__((always_inline)) double backward_rows(
-    const detail::SweepArrays& s, double alpha, double beta, int begin, int end) {
+    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
     Double4 rr{};
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
@@ -64,7 +62,20 @@ inline __attribute__((always_inline)) double backward_rows(
     return add_lanes(rr);
 }
 
-inline __attribute__((always_inline)) void forward_rows(const detail::SweepArrays& s,
+template <class Number>
+inline __attribute__((always_inline)) void backward_rows_alone(
+    const detail::SweepArrays<Number>& s, int begin, int end) {
+    for (int i = end - 1; i >= begin; --i) {
+        ColumnSums sums;
+        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
+            sums.add(s.upper + 9 * at(k), s.t + 4 * at(s.upper_col.data[k]));
+        const std::size_t row = 4 * at(i);
+        wide(s.t + row) = wide(s.p + row) - sums.total();
+    }
+}
+
+template <class Number>
+inline __attribute__((always_inline)) void forward_rows(const detail::SweepArrays<Number>& s,
                                                         int begin,
                                                         int end,
                                                         detail::SweepSums& out) {
@@ -75,7 +86,7 @@ inline __attribute__((always_inline)) void forward_rows(const detail::SweepArray
         ColumnSums sums;
         const int first = s.lower_begin.data[i];
         const int last = s.lower_begin.data[i + 1] - 1;
-        const double* block = s.lower + 9 * at(first - i);
+        const Number* block = s.lower + 9 * at(first - i);
         for (int k = first; k < last; ++k, block += 9)
             sums.add(block, s.w + 4 * at(s.lower_col.data[k]));
         const std::size_t row = 4 * at(i);
@@ -100,11 +111,12 @@ inline __attribute__((always_inline)) Double4 apply_factor(const InverseFactor& 
 }
 
 /// L' = C_i⁻¹ m C_j⁻ᵀ, written column by column and transposed.
+template <class Number>
 inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
                                                        const Mat3d& m,
                                                        const InverseFactor& fj,
-                                                       double* columns,
-                                                       double* rows) {
+                                                       Number* columns,
+                                                       Number* rows) {
     Double4 half[3];  // rows of m C_j⁻ᵀ
     for (int r = 0; r < 3; ++r)
         half[r] = apply_factor(fj, m.row(r));
@@ -113,23 +125,25 @@ inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
                             fi.c0[2] * half[0] + fi.c1[2] * half[1] + fi.c2[2] * half[2]};
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) {
-            rows[at(3 * r + c)] = out[r][c];
-            columns[at(3 * c + r)] = out[r][c];
+            rows[at(3 * r + c)] = static_cast<Number>(out[r][c]);
+            columns[at(3 * c + r)] = static_cast<Number>(out[r][c]);
         }
 }
 
 /// What filling a row of the scaled triangles needs.
+template <class Number>
 struct RowScaling {
     const InverseFactor* scale;
     const int* col;
     const int* upper_place;
-    double* lower;
-    double* upper;
+    Number* lower;
+    Number* upper;
 };
 
 /// Scales the `count` off-diagonal blocks of a row whose first one has number `first`.
+template <class Number>
 inline __attribute__((always_inline)) void scale_blocks(
-    const RowScaling& s, int row, int first, int count, const Mat3d* blocks) {
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
     for (int p = 0; p < count; ++p)
         scale_block(s.scale[row],
                     blocks[p],
@@ -139,16 +153,24 @@ inline __attribute__((always_inline)) void scale_blocks(
 }
 
 #if defined(__x86_64__)
+template <class Number>
 __attribute__((target("avx2"), flatten)) double backward_rows_avx2(
-    const detail::SweepArrays& s, double alpha, double beta, int begin, int end) {
+    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
     return backward_rows(s, alpha, beta, begin, end);
 }
+template <class Number>
+__attribute__((target("avx2"), flatten)) void backward_rows_alone_avx2(
+    const detail::SweepArrays<Number>& s, int begin, int end) {
+    backward_rows_alone(s, begin, end);
+}
+template <class Number>
 __attribute__((target("avx2"), flatten)) void forward_rows_avx2(
-    const detail::SweepArrays& s, int begin, int end, detail::SweepSums& out) {
+    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
     forward_rows(s, begin, end, out);
 }
+template <class Number>
 __attribute__((target("avx2"), flatten)) void scale_blocks_avx2(
-    const RowScaling& s, int row, int first, int count, const Mat3d* blocks) {
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
     scale_blocks(s, row, first, count, blocks);
 }
 bool has_avx2() {
@@ -156,23 +178,60 @@ bool has_avx2() {
 }
 #endif
 
-}  // namespace
-
-namespace detail {
-
-double sweep_backward(
-    const SweepArrays& s, double alpha, double beta, int begin, int end) {
+template <class Number>
+double sweep_rows_backward(const detail::SweepArrays<Number>& s,
+                           double alpha,
+                           double beta,
+                           int begin,
+                           int end) {
 #if defined(__x86_64__)
     if (has_avx2()) return backward_rows_avx2(s, alpha, beta, begin, end);
 #endif
     return backward_rows(s, alpha, beta, begin, end);
 }
 
-void sweep_forward(const SweepArrays& s, int begin, int end, SweepSums& sums) {
+template <class Number>
+void sweep_rows_backward_alone(const detail::SweepArrays<Number>& s, int begin, int end) {
+#if defined(__x86_64__)
+    if (has_avx2()) return backward_rows_alone_avx2(s, begin, end);
+#endif
+    backward_rows_alone(s, begin, end);
+}
+
+template <class Number>
+void sweep_rows_forward(const detail::SweepArrays<Number>& s,
+                        int begin,
+                        int end,
+                        detail::SweepSums& sums) {
 #if defined(__x86_64__)
     if (has_avx2()) return forward_rows_avx2(s, begin, end, sums);
 #endif
     forward_rows(s, begin, end, sums);
+}
+
+}  // namespace
+
+namespace detail {
+
+double sweep_backward(
+    const SweepArrays<double>& s, double alpha, double beta, int begin, int end) {
+    return sweep_rows_backward(s, alpha, beta, begin, end);
+}
+double sweep_backward(
+    const SweepArrays<float>& s, double alpha, double beta, int begin, int end) {
+    return sweep_rows_backward(s, alpha, beta, begin, end);
+}
+void sweep_backward_alone(const SweepArrays<double>& s, int begin, int end) {
+    sweep_rows_backward_alone(s, begin, end);
+}
+void sweep_backward_alone(const SweepArrays<float>& s, int begin, int end) {
+    sweep_rows_backward_alone(s, begin, end);
+}
+void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
+    sweep_rows_forward(s, begin, end, sums);
+}
+void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
+    sweep_rows_forward(s, begin, end, sums);
 }
 
 }  // namespace detail
@@ -204,13 +263,32 @@ bool invert_factor(const Mat3d& m, InverseFactor& out) {
 
 void GaussSeidelCg::resize() {
     const std::size_t n = at(op_.num_rows());
-    constexpr std::size_t kPadding = 1;  // loads of four reach one past the last block
-    lower_.resize(9 * op_.num_off_diagonal() + kPadding);
-    upper_.resize(9 * op_.num_off_diagonal() + kPadding);
     scale_.resize(n);
     for (std::vector<double>* v : {&x_, &r_, &p_, &t_, &w_})
         v->resize(4 * n);
     sums_.assign(at(op_.num_groups()), {});
+}
+
+double GaussSeidelCg::inertia_share(int row,
+                                    View<const Mat3d> diagonal,
+                                    View<const double> inertia) const {
+    if (inertia.size == 0) return 0.0;
+    const int v = op_.numbering().vertex[at(row)];
+    const Mat3d& d = diagonal[v];
+    return inertia[v] / std::fmax(d.a[0], std::fmax(d.a[4], d.a[8]));
+}
+
+void GaussSeidelCg::choose_precision(double least_inertia) {
+    constexpr std::size_t kPadding = 1;  // loads of four reach one past the last block
+    const std::size_t size = 9 * op_.num_off_diagonal() + kPadding;
+    single_ = least_inertia >= kSinglePrecisionInertia;
+    if (single_) {
+        single_blocks_.lower.resize(size);
+        single_blocks_.upper.resize(size);
+    } else {
+        double_blocks_.lower.resize(size);
+        double_blocks_.upper.resize(size);
+    }
 }
 
 bool GaussSeidelCg::scale_row(int row, View<const Mat3d> diagonal) {
@@ -230,16 +308,28 @@ void GaussSeidelCg::fill_row(const OperatorView& op, int row) {
                               {lower.col.data() + begin, at(count)},
                               {lower.source.data() + begin, at(count)},
                               blocks.data());
-    const RowScaling scaling{scale_.data(),
-                             lower.col.data() + begin,
-                             op_.upper_place.data(),
-                             lower_.data(),
-                             upper_.data()};
+    if (single_)
+        scale_row_blocks(single_blocks_, row, blocks.data());
+    else
+        scale_row_blocks(double_blocks_, row, blocks.data());
+}
+
+template <class Number>
+void GaussSeidelCg::scale_row_blocks(Triangles<Number>& to,
+                                     int row,
+                                     const Mat3d* blocks) {
+    const MergedBlocks& lower = op_.lower();
+    const int begin = lower.row_begin[at(row)];
+    const int count = lower.row_begin[at(row) + 1] - begin - 1;
+    const RowScaling<Number> scaling{scale_.data(),
+                                     lower.col.data() + begin,
+                                     op_.upper_place.data(),
+                                     to.lower.data(),
+                                     to.upper.data()};
 #if defined(__x86_64__)
-    if (has_avx2())
-        return scale_blocks_avx2(scaling, row, begin - row, count - 1, blocks.data());
+    if (has_avx2()) return scale_blocks_avx2(scaling, row, begin - row, count, blocks);
 #endif
-    scale_blocks(scaling, row, begin - row, count - 1, blocks.data());
+    scale_blocks(scaling, row, begin - row, count, blocks);
 }
 
 void GaussSeidelCg::start_row(int row, View<const Vec3d> b) {
@@ -258,13 +348,14 @@ double GaussSeidelCg::start_result(int row) {
     return add_lanes(w * w);
 }
 
-detail::SweepArrays GaussSeidelCg::arrays() {
+template <class Number>
+detail::SweepArrays<Number> GaussSeidelCg::arrays(const Triangles<Number>& blocks) {
     return {detail::const_view(op_.lower().row_begin),
             detail::const_view(op_.lower().col),
             detail::const_view(op_.upper_begin),
             detail::const_view(op_.upper_col),
-            lower_.data(),
-            upper_.data(),
+            blocks.lower.data(),
+            blocks.upper.data(),
             x_.data(),
             r_.data(),
             p_.data(),
@@ -273,15 +364,38 @@ detail::SweepArrays GaussSeidelCg::arrays() {
 }
 
 void GaussSeidelCg::backward(int group, double alpha, double beta) {
-    const std::vector<int>& begin = op_.rows().group_begin;
-    sums_[at(group)].rr = detail::sweep_backward(
-        arrays(), alpha, beta, begin[at(group)], begin[at(group) + 1]);
+    const int begin = op_.rows().group_begin[at(group)];
+    const int end = op_.rows().group_begin[at(group) + 1];
+    sums_[at(group)].rr =
+        single_ ? detail::sweep_backward(arrays(single_blocks_), alpha, beta, begin, end)
+                : detail::sweep_backward(arrays(double_blocks_), alpha, beta, begin, end);
+}
+
+void GaussSeidelCg::backward_alone(int group) {
+    const int begin = op_.rows().group_begin[at(group)];
+    const int end = op_.rows().group_begin[at(group) + 1];
+    if (single_)
+        detail::sweep_backward_alone(arrays(single_blocks_), begin, end);
+    else
+        detail::sweep_backward_alone(arrays(double_blocks_), begin, end);
+}
+
+double GaussSeidelCg::advance(int row, double alpha) {
+    const std::size_t k = 4 * at(row);
+    const Double4 t = wide(&t_[k]);
+    const Double4 r = wide(&r_[k]) - alpha * (t + wide(&w_[k]));
+    wide(&x_[k]) += alpha * t;
+    wide(&r_[k]) = r;
+    return add_lanes(r * r);
 }
 
 void GaussSeidelCg::forward(int group) {
-    const std::vector<int>& begin = op_.rows().group_begin;
-    detail::sweep_forward(
-        arrays(), begin[at(group)], begin[at(group) + 1], sums_[at(group)]);
+    const int begin = op_.rows().group_begin[at(group)];
+    const int end = op_.rows().group_begin[at(group) + 1];
+    if (single_)
+        detail::sweep_forward(arrays(single_blocks_), begin, end, sums_[at(group)]);
+    else
+        detail::sweep_forward(arrays(double_blocks_), begin, end, sums_[at(group)]);
 }
 
 detail::SweepSums GaussSeidelCg::total() const {

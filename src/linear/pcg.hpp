@@ -119,30 +119,52 @@ class Pcg {
         const double delta_start = delta;
         if (delta == 0.0) return result;
         result.residual_ratio = 1.0;
-        while (delta > options.tolerance * delta_start) {
+        PcgStop stop(options);
+        while (!finished(stop, options, x, result)) {
             if (result.iterations == options.max_iterations) {
                 result.outcome = PcgResult::Outcome::MaxIterations;
                 return result;
             }
             const double curvature = apply(exec, matrix, terms);
             ++result.iterations;
-            if (!(curvature > 0.0)) break;
-            const double delta_next = update(exec, delta / curvature, x);
+            const double delta_next =
+                curvature > 0.0 ? update(exec, delta / curvature, x) : HUGE_VAL;
+            if (!(delta_next < HUGE_VAL)) {
+                result.outcome = PcgResult::Outcome::Breakdown;
+                return result;
+            }
             detail::pcg_direction(
                 exec, delta_next / delta, View<const Vec3d>(z_.view()), p_.view());
+            stop.add(delta * delta / curvature);
             delta = delta_next;
             result.residual_ratio = delta / delta_start;
         }
-        const bool converged = delta <= options.tolerance * delta_start;
-        result.outcome =
-            converged ? PcgResult::Outcome::Converged : PcgResult::Outcome::Breakdown;
         return result;
+    }
+
+    /// See ColouredOperator::set_order.
+    void set_order(std::span<const int> order) { gauss_seidel_.set_order(order); }
+
+    /// See GaussSeidelCg::set_aggregates.
+    void set_aggregates(RigidAggregates aggregates) {
+        gauss_seidel_.set_aggregates(std::move(aggregates));
     }
 
     /// State that the incomplete factorisation carries from solve to solve.
     ShiftMemory& shift_memory() { return incomplete_.memory(); }
 
   private:
+    static bool finished(PcgStop& stop,
+                         const PcgOptions& options,
+                         View<const Vec3d> x,
+                         PcgResult& result) {
+        if (!stop.reached(result.residual_ratio)) return false;
+        if (result.refined || !options.refine || !options.refine(x)) return true;
+        result.refined = true;
+        stop.set_tolerance(options.fine_tolerance);
+        return stop.reached(result.residual_ratio);
+    }
+
     void resize(int n) {
         r_.resize(n);
         z_.resize(n);

@@ -274,6 +274,8 @@ class Objective {
     [[nodiscard]] View<const Vec3d> gradient() const { return gradient_.view(); }
     BlockMatrix<Exec>& matrix() { return matrix_; }
     LowRankTerms<Exec>& terms() { return terms_; }
+    /// Per vertex: the multiple of the identity in matrix() that inertia puts there.
+    [[nodiscard]] View<const double> inertia_diagonal() const { return diagonal_.view(); }
     [[nodiscard]] const DeviceModel<Exec>& device() const { return device_; }
     [[nodiscard]] const StepScales& scales() const { return scales_; }
     [[nodiscard]] int num_friction_terms() const { return friction_.size(); }

@@ -423,10 +423,11 @@ void visit_fields(V& v, SolverSettings& s) {
     v.number("pcg_tolerance",
              s.pcg_tolerance,
              d.pcg_tolerance,
-             {.above = 0,
+             {.at_least = 0,
               .below = 1,
               .doc = "Relative residual (in the preconditioned norm, squared) at which "
-                     "PCG stops."});
+                     "PCG stops; 0 = by an estimate of the error in energy, rough at "
+                     "first and fine where the step may end."});
     v.integer("max_pcg",
               s.max_pcg,
               d.max_pcg,

@@ -6,6 +6,7 @@
 
 #include "linear/cholmod_solver.hpp"
 #include "linear/pcg.hpp"
+#include "core/morton.hpp"
 #include "objective/objective.hpp"
 #include "step/boundary_path.hpp"
 #include "step/settings.hpp"
@@ -62,7 +63,12 @@ double max_free_component(Exec& exec,
 template <class Exec>
 class DirectionSolver {
   public:
-    explicit DirectionSolver(int num_vertices) {
+    explicit DirectionSolver(const Model& model) {
+        const int num_vertices = model.num_vertices;
+        const std::vector<int> order = morton_order(model.x0);
+        pcg_.set_order(order);
+        const int size = aggregate_size(num_vertices);
+        pcg_.set_aggregates(cut_aggregates(model.tets, order, size));
         rhs_.resize(num_vertices);
         prescribed_.resize(num_vertices);
         pushed_.resize(num_vertices);
@@ -90,7 +96,7 @@ class DirectionSolver {
                           Objective<Exec>& objective,
                           View<const std::uint8_t> fixed,
                           const SolverSettings& settings,
-                          double pcg_tolerance,
+                          const PcgOptions& pcg,
                           typename Exec::template Buffer<Vec3d>& p) {
         detail::set_zero(exec, pushed_.view());
         if (remaining_ > 0.0) {
@@ -107,7 +113,7 @@ class DirectionSolver {
         DirectionResult result =
             settings.linear == LinearSolver::Cholmod
                 ? solve_cholmod(exec, objective, fixed, p)
-                : solve_pcg(exec, objective, fixed, settings, pcg_tolerance, p.view());
+                : solve_pcg(exec, objective, fixed, pcg, p.view());
         if (remaining_ > 0.0)
             detail::add_scaled(
                 exec, 1.0, View<const Vec3d>(prescribed_.view()), p.view());
@@ -118,12 +124,8 @@ class DirectionSolver {
     DirectionResult solve_pcg(Exec& exec,
                               Objective<Exec>& objective,
                               View<const std::uint8_t> fixed,
-                              const SolverSettings& settings,
-                              double tolerance,
+                              const PcgOptions& options,
                               View<Vec3d> p) {
-        const PcgOptions options{.tolerance = tolerance,
-                                 .max_iterations = settings.max_pcg,
-                                 .preconditioner = PreconditionerKind::GaussSeidel};
         const PcgResult solved = pcg_.solve(exec,
                                             objective.matrix(),
                                             objective.terms(),

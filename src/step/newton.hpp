@@ -19,6 +19,7 @@
 #include "step/collision.hpp"
 #include "step/direction.hpp"
 #include "step/line_search.hpp"
+#include "step/sound_travel.hpp"
 #include "step/stiffness.hpp"
 #include "step/trouble.hpp"
 
@@ -38,7 +39,7 @@ class Newton {
           model_(model),
           settings_(settings),
           objective_(exec, model, pattern),
-          direction_(model.num_vertices) {
+          direction_(model) {
         exec.upload(model.obstacle, obstacle_);
         p_.resize(model.num_vertices);
         x_trial_.resize(model.num_vertices);
@@ -49,6 +50,8 @@ class Newton {
                 .hessian = hessian_of(settings.contact.hessian),
                 .mollified = hessian_of(settings.contact.mollifier)};
         range_ = stiffness_range(settings);
+        use_coarse_ = model.num_vertices >= kCoarseVertices
+                   && sound_travel(model, settings.dt) > kCoarseSoundTravel;
         for (std::size_t t = 0; t < model.tets.size(); ++t)
             stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
@@ -155,7 +158,8 @@ class Newton {
         if (settings_.record_iterations || settings_.solver.gradient_tolerance > 0.0)
             record.gradient =
                 detail::max_free_component(exec_, objective_.gradient(), fixed_);
-        const DirectionResult solved = solve_direction(record, report);
+        const DirectionResult solved =
+            solve_direction(x, arrived ? tolerance * settings_.dt : 0.0, record, report);
         if (!solved.ok) {
             report.message = solved.trouble;
             return {true, Outcome::LinearSolverFailed};
@@ -213,19 +217,45 @@ class Newton {
         pace_ = {};
     }
 
-    DirectionResult solve_direction(IterationRecord& record, StepReport& report) {
+    /// `small` is the size of a direction, m, below which Newton may end.
+    DirectionResult solve_direction(View<const Vec3d> x,
+                                    double small,
+                                    IterationRecord& record,
+                                    StepReport& report) {
         const PhaseTimer timer(report.t_solve);
-        DirectionResult solved = direction_.solve(
-            exec_,
-            objective_,
-            fixed_,
-            settings_.solver,
-            pace_.tolerance(settings_.solver.pcg_tolerance, record.boundary_moved),
-            p_);
+        DirectionResult solved = direction_.solve(exec_,
+                                                  objective_,
+                                                  fixed_,
+                                                  settings_.solver,
+                                                  pcg_options(x, small, record),
+                                                  p_);
         ++report.newton;
         report.pcg += solved.iterations;
         record.pcg = solved.iterations;
         return solved;
+    }
+
+    /// Far from the solution a rough direction serves as well as an exact one; a direction
+    /// that may be the last is found to the fine tolerance before it is believed.
+    PcgOptions pcg_options(View<const Vec3d> x,
+                           double small,
+                           const IterationRecord& record) {
+        const double asked = settings_.solver.pcg_tolerance;
+        PcgOptions options{.max_iterations = settings_.solver.max_pcg,
+                           .preconditioner = PreconditionerKind::GaussSeidel,
+                           .inertia = objective_.inertia_diagonal()};
+        if (use_coarse_) options.positions = x;
+        if (asked > 0.0) {
+            options.tolerance = pace_.tolerance(asked, record.boundary_moved);
+            return options;
+        }
+        options.test = PcgOptions::Test::Energy;
+        options.tolerance = pace_.tolerance(kRoughDirection, record.boundary_moved);
+        options.fine_tolerance = std::min(kFineDirection, options.tolerance);
+        options.refine = [this, small](View<const Vec3d> p) {
+            return detail::max_component(exec_, p) < small;
+        };
+        return options;
     }
 
     /// Largest step without inversion and without collision; candidates of that motion.
@@ -346,6 +376,7 @@ class Newton {
     BoundaryPace pace_;
     View<const std::uint8_t> fixed_{};
     double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
+    bool use_coarse_ = false;  ///< rigid modes in the linear solver
     bool yielded_ = false;
     Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;

@@ -45,6 +45,9 @@ inline constexpr double kKeepVolume =
     0.2;  ///< share of a tet's volume that one step must keep
 inline constexpr double kFrictionUnrest =
     0.1;  ///< largest unrest of friction (energy/friction.hpp) at which Newton may end
+inline constexpr double kRoughDirection =
+    1e-2;  ///< squared relative energy error of a Newton direction that is not the last
+inline constexpr double kFineDirection = 1e-3;  ///< of one that may be
 inline constexpr int kShortStepsBeforeSwitch =
     5;  ///< then a stronger contact Hessian is tried
 inline constexpr int kShortStepsBeforeStall = 60;  ///< then the step ends as stalled

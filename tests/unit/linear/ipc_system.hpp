@@ -16,8 +16,10 @@ namespace noli::test {
 
 struct IpcSystem {
     int num_vertices = 0;
+    std::vector<Vec3d> rest;
     std::vector<Vec3d> positions;  ///< of this Newton iterate
     std::vector<std::uint8_t> fixed;
+    std::vector<Int4> tets;
     std::vector<Int2> couplings;  ///< upper blocks by rows, diagonal included
     std::vector<Mat3d> a;         ///< upper blocks of the whole Hessian
     std::vector<Mat3d> a0;        ///< the same without contact
@@ -66,10 +68,10 @@ inline std::optional<IpcSystem> read_ipc_system(const std::string& name) {
 
     IpcSystem s;
     s.num_vertices = header[0];
-    in.read<Vec3d>(num_vertices);  // rest positions
+    s.rest = in.read<Vec3d>(num_vertices);
     s.positions = in.read<Vec3d>(num_vertices);
     s.fixed = in.read<std::uint8_t>(num_vertices);
-    in.read<std::int32_t>(4 * static_cast<std::size_t>(header[1]));
+    s.tets = in.read<Int4>(static_cast<std::size_t>(header[1]));
     const auto row_begin = in.read<std::int32_t>(num_vertices + 1);
     const auto col = in.read<std::int32_t>(num_blocks);
     s.a = in.read<Mat3d>(num_blocks);

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Threads that stand by between the many short loops of a linear solve. CPU only.
+///
+/// A task scheduler takes several microseconds to start a loop, a triangular sweep of a
+/// small system is shorter than that. Inside a TeamScope the helpers of the team watch a
+/// counter instead of sleeping: a loop starts and ends within a fraction of a
+/// microsecond. Each thread takes the same share of every loop of the same length, so
+/// that what it wrote is still in its cache when it reads it; the share of a helper that
+/// the system has taken away goes to the leader.
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+namespace noli {
+
+class Team {
+  public:
+    /// `threads` >= 1 counts the leader, which is whoever calls run.
+    explicit Team(int threads);
+    ~Team();
+    Team(const Team&) = delete;
+    Team& operator=(const Team&) = delete;
+
+    /// f(begin, end) for ranges that make up [0, n), one per thread, fewer if they would
+    /// be shorter than `grain`. Returns when all are done. f must not throw nor run
+    /// another loop.
+    template <class F>
+    void run(int n, int grain, const F& f) {
+        const auto call = [](const void* g, int begin, int end) {
+            (*static_cast<const F*>(g))(begin, end);
+        };
+        run_shares(n, grain, &f, call);
+    }
+
+    [[nodiscard]] int threads() const;
+
+    /// The team of the innermost scope on this thread, or null.
+    static Team* current();
+
+  private:
+    friend class TeamScope;
+    using Call = void (*)(const void*, int, int);
+
+    void run_shares(int n, int grain, const void* f, Call call);
+    void wake();
+    void rest();
+
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// While it lives, the team's helpers are awake and CPU loops of this thread run on them.
+class TeamScope {
+  public:
+    explicit TeamScope(Team& team);
+    ~TeamScope();
+    TeamScope(const TeamScope&) = delete;
+    TeamScope& operator=(const TeamScope&) = delete;
+
+  private:
+    Team* team_;  ///< null if the team was awake already
+};
+
+}  // namespace noli

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Four doubles at a time, for loops that are compiled once for AVX2 and once without.
+
+#include <cstddef>
+
+namespace noli::detail {
+
+typedef double Wide __attribute__((vector_size(32), aligned(8), may_alias));
+
+inline __attribute__((always_inline)) Wide& wide(double* v) {
+    return *reinterpret_cast<Wide*>(v);
+}
+inline __attribute__((always_inline)) const Wide& wide(const double* v) {
+    return *reinterpret_cast<const Wide*>(v);
+}
+
+/// Four numbers of either precision.
+inline __attribute__((always_inline)) Wide load_wide(const double* v) {
+    return wide(v);
+}
+inline __attribute__((always_inline)) Wide load_wide(const float* v) {
+    // Spelled out, because this becomes one instruction and a conversion of a vector of
+    // floats three.
+    return Wide{static_cast<double>(v[0]),
+                static_cast<double>(v[1]),
+                static_cast<double>(v[2]),
+                static_cast<double>(v[3])};
+}
+
+}  // namespace noli::detail

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "step/sound_travel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace noli {
+
+namespace {
+
+struct BodyFigures {
+    double young = 0.0, mass = 0.0, volume = 0.0;
+    Vec3d low{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    Vec3d high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+};
+
+std::vector<BodyFigures> figures_of(const Model& model) {
+    std::vector<BodyFigures> bodies(static_cast<std::size_t>(model.num_bodies()));
+    for (std::size_t t = 0; t < model.tets.size(); ++t) {
+        const int v = model.tets[t][0];
+        BodyFigures& body =
+            bodies[static_cast<std::size_t>(model.body[static_cast<std::size_t>(v)])];
+        const double mu = model.mu[t];
+        const double lambda = model.lambda[t];
+        body.young =
+            std::max(body.young, mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu));
+        body.volume += model.volume[t];
+    }
+    for (std::size_t v = 0; v < model.x0.size(); ++v) {
+        BodyFigures& body = bodies[static_cast<std::size_t>(model.body[v])];
+        body.mass += model.mass[v];
+        for (int k = 0; k < 3; ++k) {
+            body.low[k] = std::min(body.low[k], model.x0[v][k]);
+            body.high[k] = std::max(body.high[k], model.x0[v][k]);
+        }
+    }
+    return bodies;
+}
+
+}  // namespace
+
+double sound_travel(const Model& model, double dt) {
+    double largest = 0.0;
+    for (const BodyFigures& body : figures_of(model)) {
+        if (!(body.mass > 0.0) || !(body.volume > 0.0)) continue;
+        const Vec3d size = body.high - body.low;
+        const double extent = std::max(size.x, std::max(size.y, size.z));
+        const double speed = std::sqrt(body.young * body.volume / body.mass);
+        largest = std::max(largest, dt * speed / extent);
+    }
+    return largest;
+}
+
+}  // namespace noli
