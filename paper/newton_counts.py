@@ -24,7 +24,7 @@ MODELS = {
     "gn r2": {"hessian": "gn"},
     "gn+ r2": {"hessian": "gn+"},
 }
-SOLVERS = {"direct": {"linear": "cholmod"}, "pcg": {"linear": "pcg"}}
+SOLVERS = {"direct": {"linear": "cholmod"}, "pcg": {"linear": "pcg", "pcg_tolerance": 1e-4}}
 FRESH_CONTACT = {key: None for key in ("model", "hessian", "mollifier", "barrier_exponent")}
 
 

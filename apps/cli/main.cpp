@@ -94,8 +94,9 @@ void add_run_scene_options(CLI::App& run, RunArguments& a) {
     run.add_option("--linear", a.linear, "Linear solver: pcg or cholmod")
         ->check(CLI::IsMember({"pcg", "cholmod"}))
         ->group(kGroup);
-    run.add_option(
-           "--pcg-tolerance", a.pcg_tolerance, "Of the preconditioned residual, relative")
+    run.add_option("--pcg-tolerance",
+                   a.pcg_tolerance,
+                   "Of the preconditioned residual, relative [automatic]")
         ->check(CLI::PositiveNumber)
         ->group(kGroup);
     run.add_option("--contact-hessian", a.contact_hessian, "gn, gn+ or exact")

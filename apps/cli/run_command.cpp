@@ -97,7 +97,8 @@ void print_start(const Resolved& r, const std::string& directory, int first, int
     const std::string why = r.device_note.empty() ? "" : " (auto: " + r.device_note + ")";
     print(fmt::format(
         "{}{}\n{} bodies, {} vertices, {} tetrahedra, about {:.0f} MB\n"
-        "dhat {:.4g} m, epsv {:.4g} m/s, tolerance {:.4g} m/s, diagonal {:.4g} m\n",
+        "dhat {:.4g} m, epsv {:.4g} m/s, tolerance {:.4g} m/s, diagonal {:.4g} m\n"
+        "linear solver: {}\n",
         r.device,
         why,
         r.num_bodies,
@@ -107,7 +108,8 @@ void print_start(const Resolved& r, const std::string& directory, int first, int
         r.dhat,
         r.epsv,
         r.tolerance,
-        r.diagonal));
+        r.diagonal,
+        r.linear_solver));
     if (first <= last)
         print(fmt::format("steps {} to {} into {}\n", first, last, directory));
 }

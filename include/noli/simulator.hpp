@@ -123,12 +123,13 @@ struct VerifyReport {
 
 /// Settings as they came out, in absolute units.
 struct Resolved {
-    double diagonal = 0.0;    ///< m
-    double dhat = 0.0;        ///< m
-    double epsv = 0.0;        ///< m/s
-    double tolerance = 0.0;   ///< m/s
-    std::string device;       ///< "CPU, 2 threads, AVX-512" or the GPU's name
-    std::string device_note;  ///< why that device, when "auto"
+    double diagonal = 0.0;      ///< m
+    double dhat = 0.0;          ///< m
+    double epsv = 0.0;          ///< m/s
+    double tolerance = 0.0;     ///< m/s
+    std::string device;         ///< "CPU, 2 threads, AVX-512" or the GPU's name
+    std::string device_note;    ///< why that device, when "auto"
+    std::string linear_solver;  ///< and why that one
     double estimated_mb = 0.0;
     double total_mass = 0.0;
     int num_vertices = 0, num_tets = 0, num_triangles = 0, num_bodies = 0;

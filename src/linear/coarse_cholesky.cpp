@@ -33,8 +33,8 @@ NOLI_WITH_AVX2 void subtract_product(const Block6& a, const Block6& b, Block6& c
                 c.a[kSize * i + j] -= a.a[kSize * i + k] * bt[kSize * k + j];
 }
 
-/// m := inverse of its Cholesky factor, lower triangular, with zero columns where there is
-/// no pivot. `scale` holds the diagonal before elimination. False for NaN.
+/// m := inverse of its Cholesky factor, lower triangular, with zero columns where there
+/// is no pivot. `scale` holds the diagonal before elimination. False for NaN.
 bool invert_factor(const double* scale, Block6& m) {
     constexpr double kNoPivot = 1e-11;
     double l[36] = {};
@@ -142,7 +142,9 @@ void CoarseCholesky::analyze(const CoarseMatrix& matrix) {
     constexpr double kPoor = 1.5;
     const bool same_size = order_.size() == at(matrix.num_rows());
     if (same_size) find_pattern(matrix);
-    if (!same_size || static_cast<double>(row_.size()) > kPoor * static_cast<double>(blocks_of_order_)) {
+    if (!same_size
+        || static_cast<double>(row_.size())
+               > kPoor * static_cast<double>(blocks_of_order_)) {
         find_order(matrix);
         find_pattern(matrix);
         blocks_of_order_ = row_.size();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Sparse Cholesky factorisation of a symmetric matrix of 6x6 blocks: the coarse matrix of
-/// rigid motions, some hundred to some thousand blocks. Host only.
+/// Sparse Cholesky factorisation of a symmetric matrix of 6x6 blocks: the coarse matrix
+/// of rigid motions, some hundred to some thousand blocks. Host only.
 ///
 /// Rows are eliminated in the order of least degree of a pattern seen before: contacts
 /// change it all the time, but not by much. A direction without stiffness (the
-/// rotation of an aggregate that is one vertex) is left out: its pivot counts as infinite.
+/// rotation of an aggregate that is one vertex) is left out: its pivot counts as
+/// infinite.
 
 #include <span>
 #include <vector>
@@ -49,8 +50,8 @@ class CoarseCholesky {
     void scatter(const CoarseMatrix& matrix);
     void eliminate(int column);
 
-    std::vector<int> order_;  ///< place -> row of the matrix
-    std::vector<int> place_;  ///< row of the matrix -> place
+    std::vector<int> order_;            ///< place -> row of the matrix
+    std::vector<int> place_;            ///< row of the matrix -> place
     std::vector<int> col_begin_, row_;  ///< factor by columns, diagonal first, ascending
     std::vector<Block6> value_;         ///< diagonal blocks: inverse of their factor
     std::size_t blocks_of_order_ = 0;   ///< of the factor when the order was chosen

@@ -232,7 +232,9 @@ void CoarseSpace::fill_modes(const ColouredOperator& op,
     const int begin = rows_begin_[at(aggregate)];
     const int end = rows_begin_[at(aggregate) + 1];
     if (begin == end) return;
-    const auto position = [&](int k) { return x[op.numbering().vertex[at(rows_[at(k)])]]; };
+    const auto position = [&](int k) {
+        return x[op.numbering().vertex[at(rows_[at(k)])]];
+    };
     Vec3d centre{0, 0, 0};
     for (int k = begin; k < end; ++k)
         centre += position(k);
@@ -240,7 +242,8 @@ void CoarseSpace::fill_modes(const ColouredOperator& op,
     double radius_sq = 0.0;
     for (int k = begin; k < end; ++k)
         radius_sq += dot(position(k) - centre, position(k) - centre);
-    const double per_radius = radius_sq > 0.0 ? std::sqrt((end - begin) / radius_sq) : 0.0;
+    const double per_radius =
+        radius_sq > 0.0 ? std::sqrt((end - begin) / radius_sq) : 0.0;
     for (int k = begin; k < end; ++k) {
         const int row = rows_[at(k)];
         const Vec3d d = per_radius * (position(k) - centre);
@@ -306,8 +309,7 @@ void CoarseSpace::fill_coarse_row(int aggregate) {
             double w[kModesPerRow];
             for (int c = 0; c < 3; ++c)
                 for (int m = 0; m < kModes; ++m)
-                    w[kModes * c + m] =
-                        static_cast<double>(entries_[at(e)].w[4 * m + c]);
+                    w[kModes * c + m] = static_cast<double>(entries_[at(e)].w[4 * m + c]);
             add_gram(z, w, coarse_rows_[at(entries_[at(e)].coarse)]);
         }
     }
@@ -338,8 +340,7 @@ void CoarseSpace::restrict_to(int aggregate, const double* r) {
     Double4 sums[kModes];
 #if defined(__x86_64__)
     if (lane_dispatch() != LaneDispatch::Width2)
-        restrict_entries_avx2(
-            entries_.data(), entry_row_.data(), begin, end, r, sums);
+        restrict_entries_avx2(entries_.data(), entry_row_.data(), begin, end, r, sums);
     else
 #endif
         restrict_entries(entries_.data(), entry_row_.data(), begin, end, r, sums);

@@ -4,8 +4,8 @@
 ///
 /// Stiff material couples all of a body: sweeps alone carry a correction a few vertices
 /// far per iteration. The coarse space Z holds the six rigid motions of each aggregate at
-/// the present positions, and its matrix Z^T A Z, contacts included, is factored. Added to
-/// the sweeps' preconditioner P the coarse correction is
+/// the present positions, and its matrix Z^T A Z, contacts included, is factored. Added
+/// to the sweeps' preconditioner P the coarse correction is
 ///
 ///     P⁻¹ + Z (Zᵀ A Z)⁻¹ Zᵀ
 ///
@@ -13,8 +13,8 @@
 ///
 ///     I + W (Zᵀ A Z)⁻¹ Wᵀ,   W = U Z',   Zᵀ A Z = Z'ᵀ W + Wᵀ Z' - Z'ᵀ Z'
 ///
-/// so that neither products with A nor further sweeps are needed. W is sparse: a row has a
-/// block for its own aggregate and for those of its neighbours in the upper triangle.
+/// so that neither products with A nor further sweeps are needed. W is sparse: a row has
+/// a block for its own aggregate and for those of its neighbours in the upper triangle.
 ///
 /// Source: additive coarse correction, [Saad2003] 14.3; rigid modes, [Vanek1996]; the
 /// split form is ours.
@@ -105,7 +105,7 @@ class CoarseSpace {
     double solve_coarse();
 
     RigidAggregates aggregates_;
-    std::vector<int> aggregate_;  ///< per row, or -1
+    std::vector<int> aggregate_;          ///< per row, or -1
     std::vector<int> rows_begin_, rows_;  ///< rows of each aggregate
 
     std::vector<int> entry_begin_;  ///< num_rows + 1: the row's own aggregate comes first
@@ -113,7 +113,7 @@ class CoarseSpace {
     std::vector<int> entry_row_;
     std::vector<int> by_aggregate_begin_, by_aggregate_;  ///< entries of each aggregate
 
-    std::vector<double> modes_;  ///< Z', 18 per row
+    std::vector<double> modes_;                   ///< Z', 18 per row
     std::vector<int> coarse_begin_, coarse_col_;  ///< Z'ᵀ W by rows
     std::vector<Block6> coarse_rows_, gram_;      ///< Z'ᵀ W and Z'ᵀ Z' per aggregate
     CoarseMatrix matrix_;

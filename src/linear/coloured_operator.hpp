@@ -61,8 +61,8 @@ class ColouredOperator {
         static_assert(!Exec::kIsDevice, "sweeps run on the CPU");
         if (!changed(op, fixed)) return false;
         touched_ = detail::touched_of_vertex(op);
-        rows_ = colour_rows(
-            op, detail::const_view(touched_), fixed, order_, rows_per_block_);
+        rows_ =
+            colour_rows(op, detail::const_view(touched_), fixed, order_, rows_per_block_);
         merge_pattern(
             loop_on(exec), op, detail::const_view(touched_), rows_.numbering, lower_);
         transpose();

@@ -75,10 +75,8 @@ inline __attribute__((always_inline)) void backward_rows_alone(
 }
 
 template <class Number>
-inline __attribute__((always_inline)) void forward_rows(const detail::SweepArrays<Number>& s,
-                                                        int begin,
-                                                        int end,
-                                                        detail::SweepSums& out) {
+inline __attribute__((always_inline)) void forward_rows(
+    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
     Double4 pq{};
     Double4 rq{};
     Double4 qq{};
@@ -179,11 +177,8 @@ bool has_avx2() {
 #endif
 
 template <class Number>
-double sweep_rows_backward(const detail::SweepArrays<Number>& s,
-                           double alpha,
-                           double beta,
-                           int begin,
-                           int end) {
+double sweep_rows_backward(
+    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
 #if defined(__x86_64__)
     if (has_avx2()) return backward_rows_avx2(s, alpha, beta, begin, end);
 #endif

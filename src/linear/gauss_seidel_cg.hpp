@@ -155,8 +155,8 @@ class GaussSeidelCg {
     /// Where the iteration stands. `rr` is r.P⁻¹r of the split system.
     struct Progress {
         double rr = 0.0;
-        double first = 0.0;     ///< rr at the start
-        double alpha = 0.0;     ///< of the step that x, r still have to take
+        double first = 0.0;  ///< rr at the start
+        double alpha = 0.0;  ///< of the step that x, r still have to take
         double beta = 0.0;
         double decrease = 0.0;  ///< alpha rr of the last iteration
 
@@ -216,10 +216,9 @@ class GaussSeidelCg {
         if (!(pq > 0.0)) return false;
         const double alpha = at.rr / pq;
         at.decrease = alpha * at.rr;
-        const double rr =
-            exec.sum("linear/gs_advance", op_.num_rows(), [this, alpha](int i) {
-                return advance(i, alpha);
-            });
+        const double rr = exec.sum("linear/gs_advance",
+                                   op_.num_rows(),
+                                   [this, alpha](int i) { return advance(i, alpha); });
         const double next = rr + coarse_.solve(exec, r_.data());
         const double beta = next / at.rr;
         renew_direction(exec, beta);

@@ -41,9 +41,9 @@ struct PcgOptions {
 /// Decides when the iteration ends.
 ///
 /// An iteration lowers the energy x.Ax / 2 - b.x by alpha r.z / 2, and what all that are
-/// still to come will lower it by is half of the squared energy norm of the error: a lower
-/// bound of that error is the sum over the last few iterations, of what the error was
-/// before them. Unlike the residual test it means the same for every preconditioner.
+/// still to come will lower it by is half of the squared energy norm of the error: a
+/// lower bound of that error is the sum over the last few iterations, of what the error
+/// was before them. Unlike the residual test it means the same for every preconditioner.
 ///
 /// Source: [Hestenes1952]; [StrakosTichy2002] eq. (9)
 class PcgStop {

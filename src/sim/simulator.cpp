@@ -7,6 +7,7 @@
 #include "sim/state_bytes.hpp"
 #include "sim/stress.hpp"
 #include "sim/verify.hpp"
+#include "step/sound_travel.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -126,6 +127,8 @@ void Simulator::Impl::resolve() {
     resolved.epsv = model.epsv;
     resolved.tolerance = model.tolerance(scene.solver, 0);
     resolved.device = engine->device_name();
+    resolved.linear_solver = describe_linear_solver(
+        model, scene.solver.linear, scene.dt, !resolved.device.starts_with("CPU"));
     resolved.estimated_mb = estimate_megabytes(model);
     resolved.total_mass = model.total_mass;
     resolved.num_vertices = model.num_vertices;

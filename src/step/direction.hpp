@@ -4,9 +4,9 @@
 /// vertices moving by what is left of their motion in this step (elimination, never a
 /// penalty).
 
+#include "core/morton.hpp"
 #include "linear/cholmod_solver.hpp"
 #include "linear/pcg.hpp"
-#include "core/morton.hpp"
 #include "objective/objective.hpp"
 #include "step/boundary_path.hpp"
 #include "step/settings.hpp"
@@ -110,10 +110,9 @@ class DirectionSolver {
                                 objective.gradient(),
                                 View<const Vec3d>(pushed_.view()),
                                 rhs_.view());
-        DirectionResult result =
-            settings.linear == LinearSolver::Cholmod
-                ? solve_cholmod(exec, objective, fixed, p)
-                : solve_pcg(exec, objective, fixed, pcg, p.view());
+        DirectionResult result = settings.linear == LinearSolver::Cholmod
+                                   ? solve_cholmod(exec, objective, fixed, p)
+                                   : solve_pcg(exec, objective, fixed, pcg, p.view());
         if (remaining_ > 0.0)
             detail::add_scaled(
                 exec, 1.0, View<const Vec3d>(prescribed_.view()), p.view());

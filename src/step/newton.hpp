@@ -50,8 +50,7 @@ class Newton {
                 .hessian = hessian_of(settings.contact.hessian),
                 .mollified = hessian_of(settings.contact.mollifier)};
         range_ = stiffness_range(settings);
-        use_coarse_ = model.num_vertices >= kCoarseVertices
-                   && sound_travel(model, settings.dt) > kCoarseSoundTravel;
+        use_coarse_ = wants_coarse_space(model, settings.dt);
         for (std::size_t t = 0; t < model.tets.size(); ++t)
             stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
@@ -235,8 +234,9 @@ class Newton {
         return solved;
     }
 
-    /// Far from the solution a rough direction serves as well as an exact one; a direction
-    /// that may be the last is found to the fine tolerance before it is believed.
+    /// Far from the solution a rough direction serves as well as an exact one; a
+    /// direction that may be the last is found to the fine tolerance before it is
+    /// believed.
     PcgOptions pcg_options(View<const Vec3d> x,
                            double small,
                            const IterationRecord& record) {
@@ -376,7 +376,7 @@ class Newton {
     BoundaryPace pace_;
     View<const std::uint8_t> fixed_{};
     double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
-    bool use_coarse_ = false;  ///< rigid modes in the linear solver
+    bool use_coarse_ = false;     ///< rigid modes in the linear solver
     bool yielded_ = false;
     Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;

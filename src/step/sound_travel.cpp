@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "step/sound_travel.hpp"
 
+#include "linear/rigid_aggregates.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace noli {
 
@@ -16,14 +19,16 @@ struct BodyFigures {
 
 std::vector<BodyFigures> figures_of(const Model& model) {
     std::vector<BodyFigures> bodies(static_cast<std::size_t>(model.num_bodies()));
+    // Stable neo-Hookean tetrahedra come first.
+    const auto num_stable = static_cast<std::size_t>(model.model_begin[1]);
     for (std::size_t t = 0; t < model.tets.size(); ++t) {
         const int v = model.tets[t][0];
         BodyFigures& body =
             bodies[static_cast<std::size_t>(model.body[static_cast<std::size_t>(v)])];
         const double mu = model.mu[t];
-        const double lambda = model.lambda[t];
-        body.young =
-            std::max(body.young, mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu));
+        const double lambda =
+            model.lambda[t] - (t < num_stable ? mu : 0.0);  // see lame_parameters
+        body.young = std::max(body.young, mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu));
         body.volume += model.volume[t];
     }
     for (std::size_t v = 0; v < model.x0.size(); ++v) {
@@ -49,6 +54,30 @@ double sound_travel(const Model& model, double dt) {
         largest = std::max(largest, dt * speed / extent);
     }
     return largest;
+}
+
+bool wants_coarse_space(const Model& model, double dt) {
+    return model.num_vertices >= kCoarseVertices
+        && sound_travel(model, dt) > kCoarseSoundTravel;
+}
+
+std::string describe_linear_solver(const Model& model,
+                                   LinearSolver asked,
+                                   double dt,
+                                   bool on_device) {
+    if (asked == LinearSolver::Cholmod) return "CHOLMOD, as asked for";
+    if (on_device) return "conjugate gradients, block Jacobi";
+    const std::string reach = fmt::format(
+        "stiffness reaches {:.2g} body lengths in a step", sound_travel(model, dt));
+    if (wants_coarse_space(model, dt))
+        return fmt::format(
+            "conjugate gradients, Gauss-Seidel + rigid motions of about {} vertices each "
+            "({})",
+            aggregate_size(model.num_vertices),
+            reach);
+    return fmt::format("conjugate gradients, Gauss-Seidel ({}{})",
+                       model.num_vertices < kCoarseVertices ? "small scene; " : "",
+                       reach);
 }
 
 }  // namespace noli

@@ -5,6 +5,8 @@
 
 #include "model/model.hpp"
 
+#include <string>
+
 namespace noli {
 
 /// Above this sound travel the coarse space saves more than it costs. Measured: at 0.13
@@ -13,8 +15,17 @@ namespace noli {
 inline constexpr double kCoarseSoundTravel = 0.3;
 inline constexpr int kCoarseVertices = 256;  ///< fewer are not worth it
 
-/// Largest dt sqrt(E / rho) / L over the elastic bodies, L the largest extent of the body.
-/// E is the Young modulus of its stiffest tetrahedron, rho its mean density.
+/// Largest dt sqrt(E / rho) / L over the elastic bodies, L the largest extent of the
+/// body. E is the Young modulus of its stiffest tetrahedron, rho its mean density.
 double sound_travel(const Model& model, double dt);
+
+/// Whether the linear solver uses rigid motions of aggregates as a coarse space.
+bool wants_coarse_space(const Model& model, double dt);
+
+/// The linear solver of a scene in words, and why it is that one.
+std::string describe_linear_solver(const Model& model,
+                                   LinearSolver asked,
+                                   double dt,
+                                   bool on_device);
 
 }  // namespace noli

@@ -1,36 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/gauss_seidel_cg.hpp"
 
+#include "dense_gauss_seidel.hpp"
 #include "random_system.hpp"
 
 namespace noli {
 namespace {
 
 using namespace test;
-
-/// The whole operator as a dense matrix in the solver's row order.
-Eigen::MatrixXd in_row_order(const RandomSystem& s, const Numbering& numbering) {
-    const Eigen::MatrixXd dense = dense_elements(s) + dense_terms(s);
-    const auto n = static_cast<int>(numbering.vertex.size());
-    Eigen::MatrixXd out(3 * n, 3 * n);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-            out.block<3, 3>(3 * i, 3 * j) =
-                dense.block<3, 3>(3 * numbering.vertex[static_cast<std::size_t>(i)],
-                                  3 * numbering.vertex[static_cast<std::size_t>(j)]);
-    return out;
-}
-
-/// (D + L) D^-1 (D + L^T) of a matrix of 3x3 blocks.
-Eigen::MatrixXd gauss_seidel_matrix(const Eigen::MatrixXd& a) {
-    Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(a.rows(), a.cols());
-    Eigen::MatrixXd inverse = lower;
-    for (Eigen::Index i = 0; i < a.rows(); i += 3) {
-        lower.block(i, 0, 3, i + 3) = a.block(i, 0, 3, i + 3);
-        inverse.block<3, 3>(i, i) = a.block<3, 3>(i, i).inverse();
-    }
-    return lower * inverse * lower.transpose();
-}
 
 TEST(GaussSeidelCg, MatchesTextbookPcgIterateByIterate) {
     const RandomSystem s = random_system(301, 900, 120, 5);
@@ -92,6 +69,81 @@ TEST(GaussSeidelCg, MatchesTextbookPcgIterateByIterate) {
     }
 }
 
+/// Solves a random system with different inertias.
+class SinglePrecision : public testing::Test {
+  protected:
+    SinglePrecision() {
+        fixed[7] = fixed[200] = 1;
+        const Eigen::MatrixXd dense = dense_elements(s) + dense_terms(s);
+        largest.reserve(b.size());
+        for (Eigen::Index i = 0; i < dense.rows(); i += 3)
+            largest.push_back(dense.diagonal().segment<3>(i).maxCoeff());
+    }
+
+    std::vector<Vec3d> solve(const std::vector<double>& inertia, double tolerance) {
+        PcgOptions options;
+        options.tolerance = tolerance;
+        options.inertia = view_of(inertia);
+        std::vector<Vec3d> x(b.size());
+        const PcgResult result = solver.solve(exec,
+                                              loaded.matrix,
+                                              loaded.terms,
+                                              view_of(b),
+                                              view_of(fixed),
+                                              options,
+                                              view_of(x));
+        EXPECT_EQ(result.outcome, PcgResult::Outcome::Converged);
+        return x;
+    }
+
+    /// Inertia that is this share of the diagonal at all vertices.
+    [[nodiscard]] std::vector<double> share(double of_diagonal) const {
+        std::vector<double> inertia = largest;
+        for (double& v : inertia)
+            v *= of_diagonal;
+        return inertia;
+    }
+
+    RandomSystem s = random_system(301, 900, 120, 5);
+    CpuExec exec;
+    LoadedSystem<CpuExec> loaded = load(exec, s);
+    std::vector<Vec3d> b = random_vector(301, 3);
+    std::vector<std::uint8_t> fixed = std::vector<std::uint8_t>(301, 0);
+    std::vector<double> largest;  ///< diagonal entry per vertex
+    GaussSeidelCg solver;
+};
+
+TEST_F(SinglePrecision, HasTheSolutionToFiveDigits) {
+    const auto in_double = solve({}, 1e-26);
+    const auto in_single = solve(share(0.01), 1e-26);
+    EXPECT_FALSE(same_bits(in_double, in_single));
+    const Eigen::VectorXd expected = to_eigen(in_double);
+    EXPECT_LT((to_eigen(in_single) - expected).norm(), 1e-5 * expected.norm());
+}
+
+TEST_F(SinglePrecision, IsLeftWhereInertiaIsASmallShareOfTheDiagonal) {
+    const auto in_double = solve({}, 1e-8);
+    const auto in_single = solve(share(2e-4), 1e-8);
+    EXPECT_FALSE(same_bits(in_double, in_single));
+    // One vertex decides.
+    for (const std::size_t vertex : {0, 100, 300}) {
+        std::vector<double> inertia = share(2e-4);
+        inertia[vertex] = 0.99e-4 * largest[vertex];
+        EXPECT_TRUE(same_bits(solve(inertia, 1e-8), in_double)) << vertex;
+        inertia[vertex] = 1.01e-4 * largest[vertex];
+        EXPECT_TRUE(same_bits(solve(inertia, 1e-8), in_single)) << vertex;
+        inertia[vertex] = 0.0;
+        EXPECT_TRUE(same_bits(solve(inertia, 1e-8), in_double)) << vertex;
+    }
+}
+
+TEST_F(SinglePrecision, DoesNotLookAtFixedVertices) {
+    const auto in_single = solve(share(2e-4), 1e-8);
+    std::vector<double> inertia = share(2e-4);
+    inertia[7] = inertia[200] = 0.0;
+    EXPECT_TRUE(same_bits(solve(inertia, 1e-8), in_single));
+}
+
 TEST(GaussSeidelCg, ForwardSweepHasTheBitsOfAScalarLoop) {
     const RandomSystem s = random_system(203, 700, 60, 9);
     SerialExec exec;
@@ -122,7 +174,7 @@ TEST(GaussSeidelCg, ForwardSweepHasTheBitsOfAScalarLoop) {
     std::vector<double> x = padded(1), r = padded(2), p = padded(3), t = padded(4),
                         w = padded(5);
     const std::vector<int> no_rows(204, 0);
-    const detail::SweepArrays arrays{detail::const_view(merged.row_begin),
+    const detail::SweepArrays<double> arrays{detail::const_view(merged.row_begin),
                                      detail::const_view(merged.col),
                                      detail::const_view(no_rows),
                                      detail::const_view(no_rows),
