@@ -13,8 +13,7 @@ namespace {
 
 struct BodyFigures {
     double young = 0.0, mass = 0.0, volume = 0.0;
-    Vec3d low{HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    Vec3d high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    int num_tets = 0;
 };
 
 std::vector<BodyFigures> figures_of(const Model& model) {
@@ -30,15 +29,10 @@ std::vector<BodyFigures> figures_of(const Model& model) {
             model.lambda[t] - (t < num_stable ? mu : 0.0);  // see lame_parameters
         body.young = std::max(body.young, mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu));
         body.volume += model.volume[t];
+        ++body.num_tets;
     }
-    for (std::size_t v = 0; v < model.x0.size(); ++v) {
-        BodyFigures& body = bodies[static_cast<std::size_t>(model.body[v])];
-        body.mass += model.mass[v];
-        for (int k = 0; k < 3; ++k) {
-            body.low[k] = std::min(body.low[k], model.x0[v][k]);
-            body.high[k] = std::max(body.high[k], model.x0[v][k]);
-        }
-    }
+    for (std::size_t v = 0; v < model.x0.size(); ++v)
+        bodies[static_cast<std::size_t>(model.body[v])].mass += model.mass[v];
     return bodies;
 }
 
@@ -48,10 +42,10 @@ double sound_travel(const Model& model, double dt) {
     double largest = 0.0;
     for (const BodyFigures& body : figures_of(model)) {
         if (!(body.mass > 0.0) || !(body.volume > 0.0)) continue;
-        const Vec3d size = body.high - body.low;
-        const double extent = std::max(size.x, std::max(size.y, size.z));
+        // Edge of the regular tetrahedron of mean volume.
+        const double edge = std::cbrt(6.0 * std::sqrt(2.0) * body.volume / body.num_tets);
         const double speed = std::sqrt(body.young * body.volume / body.mass);
-        largest = std::max(largest, dt * speed / extent);
+        largest = std::max(largest, dt * speed / edge);
     }
     return largest;
 }
@@ -68,7 +62,7 @@ std::string describe_linear_solver(const Model& model,
     if (asked == LinearSolver::Cholmod) return "CHOLMOD, as asked for";
     if (on_device) return "conjugate gradients, block Jacobi";
     const std::string reach = fmt::format(
-        "stiffness reaches {:.2g} body lengths in a step", sound_travel(model, dt));
+        "stiffness reaches {:.2g} elements far in a step", sound_travel(model, dt));
     if (wants_coarse_space(model, dt))
         return fmt::format(
             "conjugate gradients, Gauss-Seidel + rigid motions of about {} vertices each "

@@ -64,8 +64,8 @@ TEST(MortonOrder, VisitsOneOctantAfterTheOther) {
     int last = 0;
     for (const int i : morton_order(points)) {
         const Vec3d& x = points[static_cast<std::size_t>(i)];
-        const int octant = (x.x >= 0.5 ? 1 : 0) + (x.y >= 0.5 ? 2 : 0)
-                         + (x.z >= 0.5 ? 4 : 0);
+        const int octant =
+            (x.x >= 0.5 ? 1 : 0) + (x.y >= 0.5 ? 2 : 0) + (x.z >= 0.5 ? 4 : 0);
         EXPECT_GE(octant, last);
         last = octant;
     }

@@ -21,8 +21,8 @@ using Range = std::pair<int, int>;
 class TeamOf : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Threads, TeamOf, testing::Range(1, 5));
 
-/// The ranges of one loop, sorted. Counts in `visits` without a lock: the thread sanitizer
-/// sees an index that two threads take.
+/// The ranges of one loop, sorted. Counts in `visits` without a lock: the thread
+/// sanitizer sees an index that two threads take.
 std::vector<Range> run_loop(Team& team, int n, int grain, std::vector<int>& visits) {
     std::vector<Range> ranges;
     std::mutex mutex;
@@ -160,8 +160,8 @@ TEST(TeamScope, ServesTwoThreadsWithATeamEach) {
 
 // A scope ends before its team: both live on the stack, and neither can be moved away.
 static_assert(!std::is_move_constructible_v<Team> && !std::is_move_assignable_v<Team>);
-static_assert(!std::is_move_constructible_v<TeamScope>
-              && !std::is_move_assignable_v<TeamScope>);
+static_assert(
+    !std::is_move_constructible_v<TeamScope> && !std::is_move_assignable_v<TeamScope>);
 
 /// CPU seconds of the whole process while this thread sleeps.
 double cpu_seconds_while_sleeping() {

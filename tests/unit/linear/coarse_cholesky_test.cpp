@@ -227,8 +227,7 @@ TEST(CoarseCholesky, SolvesASingularBlockWhereItCanBeSolved) {
     Dense a = random_spd(n, couplings, rng);
     Eigen::VectorXd free = Eigen::VectorXd::Zero(6 * n);
     free.segment<3>(6 * 3 + 3) = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
-    const Dense project =
-        Dense::Identity(6 * n, 6 * n) - free * free.transpose();
+    const Dense project = Dense::Identity(6 * n, 6 * n) - free * free.transpose();
     a = project * a * project;
     const CoarseMatrix matrix = to_blocks(n, couplings, a);
     CoarseCholesky solver;

@@ -41,7 +41,8 @@ Eigen::MatrixXd rigid_basis(const RigidAggregates& aggregates,
             }
         }
         const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(z);
-        parts.emplace_back(qr.householderQ() * Eigen::MatrixXd::Identity(3 * n, qr.rank()));
+        parts.emplace_back(qr.householderQ()
+                           * Eigen::MatrixXd::Identity(3 * n, qr.rank()));
         rank += qr.rank();
     }
     Eigen::MatrixXd basis(3 * n, rank);
@@ -57,17 +58,16 @@ Eigen::MatrixXd rigid_basis(const RigidAggregates& aggregates,
 /// do with them.
 class AgainstDenseAlgebra : public testing::TestWithParam<int> {
   protected:
-    static constexpr int kNumVertices = 251;
+    static constexpr int kNumVertices = 171;
 
     AgainstDenseAlgebra() {
-        fixed[2] = fixed[249] = fixed[100] = 1;
+        fixed[2] = fixed[169] = fixed[100] = 1;
         const auto order = identity_order(kNumVertices);
         aggregates = cut_aggregates(s.elements, order, GetParam());
         solver.set_aggregates(aggregates);
         OperatorCopy copy;
-        op.update_pattern(exec,
-                          view_operator(exec, loaded.matrix, loaded.terms, copy),
-                          view_of(fixed));
+        op.update_pattern(
+            exec, view_operator(exec, loaded.matrix, loaded.terms, copy), view_of(fixed));
     }
 
     PcgResult solve(const PcgOptions& options, std::vector<Vec3d>& out) {
@@ -90,7 +90,7 @@ class AgainstDenseAlgebra : public testing::TestWithParam<int> {
         return out;
     }
 
-    RandomSystem s = random_system(kNumVertices, 700, 100, 5);
+    RandomSystem s = random_system(kNumVertices, 480, 70, 5);
     CpuExec exec;
     LoadedSystem<CpuExec> loaded = load(exec, s);
     std::vector<Vec3d> b = random_vector(kNumVertices, 3);
@@ -101,7 +101,9 @@ class AgainstDenseAlgebra : public testing::TestWithParam<int> {
     GaussSeidelCg solver;
 };
 // One vertex cannot turn, and two cannot turn about the line between them.
-INSTANTIATE_TEST_SUITE_P(Sizes, AgainstDenseAlgebra, testing::Values(1, 2, 3, 8, 32, 999));
+INSTANTIATE_TEST_SUITE_P(Sizes,
+                         AgainstDenseAlgebra,
+                         testing::Values(1, 2, 3, 8, 32, 999));
 
 TEST_P(AgainstDenseAlgebra, MatchesTextbookPcgIterateByIterate) {
     const Eigen::MatrixXd a = in_row_order(s, op.numbering());
@@ -135,8 +137,9 @@ TEST_P(AgainstDenseAlgebra, MatchesTextbookPcgIterateByIterate) {
         EXPECT_EQ(result.iterations, iteration);
         // W is stored in single precision.
         EXPECT_LT((in_rows(got) - expected).norm(), 1e-6 * expected.norm()) << iteration;
-        EXPECT_NEAR(result.residual_ratio, delta / delta_start, 1e-5 * delta / delta_start);
-        EXPECT_EQ(norm(got[2]) + norm(got[100]) + norm(got[249]), 0.0);
+        EXPECT_NEAR(
+            result.residual_ratio, delta / delta_start, 1e-5 * delta / delta_start);
+        EXPECT_EQ(norm(got[2]) + norm(got[100]) + norm(got[169]), 0.0);
     }
 }
 
@@ -233,8 +236,7 @@ struct StiffBoxes {
                 const Vec3d d = grid.x[static_cast<std::size_t>(tet[a])]
                               - grid.x[static_cast<std::size_t>(tet[b])];
                 Eigen::Matrix<double, 12, 1> q = Eigen::Matrix<double, 12, 1>::Zero();
-                const Eigen::Vector3d along =
-                    Eigen::Vector3d(d.x, d.y, d.z).normalized();
+                const Eigen::Vector3d along = Eigen::Vector3d(d.x, d.y, d.z).normalized();
                 q.segment<3>(3 * a) = along;
                 q.segment<3>(3 * b) = -along;
                 h += q * q.transpose();
@@ -323,9 +325,8 @@ TEST(CoarseSpace, HasTheSameBitsOnEveryExecutorAndThreadCount) {
         EXPECT_TRUE(same_bits(solve_large<ShuffledExec>(s, single), reference));
         EXPECT_TRUE(same_bits(solve_large<CpuExec>(s, single), reference));
         for (const int threads : {1, 2, 3, 4}) {
-            const tbb::global_control limit(
-                tbb::global_control::max_allowed_parallelism,
-                static_cast<std::size_t>(threads));
+            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                            static_cast<std::size_t>(threads));
             EXPECT_TRUE(same_bits(solve_large<CpuExec>(s, single), reference)) << threads;
             // This machine may have fewer cores.
             Team team(threads);

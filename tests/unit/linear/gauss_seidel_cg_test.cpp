@@ -175,16 +175,16 @@ TEST(GaussSeidelCg, ForwardSweepHasTheBitsOfAScalarLoop) {
                         w = padded(5);
     const std::vector<int> no_rows(204, 0);
     const detail::SweepArrays<double> arrays{detail::const_view(merged.row_begin),
-                                     detail::const_view(merged.col),
-                                     detail::const_view(no_rows),
-                                     detail::const_view(no_rows),
-                                     lower.data(),
-                                     lower.data(),
-                                     x.data(),
-                                     r.data(),
-                                     p.data(),
-                                     t.data(),
-                                     w.data()};
+                                             detail::const_view(merged.col),
+                                             detail::const_view(no_rows),
+                                             detail::const_view(no_rows),
+                                             lower.data(),
+                                             lower.data(),
+                                             x.data(),
+                                             r.data(),
+                                             p.data(),
+                                             t.data(),
+                                             w.data()};
     detail::SweepSums sums;
     detail::sweep_forward(arrays, 0, 203, sums);
     std::vector<double> expected(w.size(), 0.0);

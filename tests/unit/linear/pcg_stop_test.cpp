@@ -2,7 +2,6 @@
 /// When the iteration ends, against the errors that dense algebra knows.
 
 #include "linear/pcg.hpp"
-
 #include "random_system.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr int kDelay = 4;  ///< iterations that PcgStop looks back
+constexpr std::size_t kDelay = 4;  ///< iterations that PcgStop looks back
 
 /// A random system with its exact solution, and solves of it.
 class Problem {
@@ -107,16 +106,15 @@ TEST_P(StopWith, EndsWhereTheEnergyOfTheLastIterationsSaysSo) {
             std::vector<double> norm_sq(1, 0.0);
             int expected = 0;
             while (expected == 0) {
-                const int k = static_cast<int>(norm_sq.size());
-                ASSERT_LT(k, 400);
+                const std::size_t k = norm_sq.size();
+                ASSERT_LT(k, 400u);
                 PcgOptions fixed_count = options(PcgOptions::Test::Residual, 1e-30);
-                fixed_count.max_iterations = k;
-                const double ratio = problem.solve(fixed_count, x).residual_ratio;
+                fixed_count.max_iterations = static_cast<int>(k);
+                problem.solve(fixed_count, x);
                 norm_sq.push_back(problem.energy_norm_sq(to_eigen(x)));
                 if (k < kDelay) continue;
-                const double recent =
-                    norm_sq.back() - norm_sq[static_cast<std::size_t>(k - kDelay)];
-                if (recent <= tolerance * norm_sq.back() && ratio <= 1e-2) expected = k;
+                const double recent = norm_sq.back() - norm_sq[k - kDelay];
+                if (recent <= tolerance * norm_sq.back()) expected = static_cast<int>(k);
             }
             EXPECT_EQ(got.iterations, expected) << seed << " " << tolerance;
         }
@@ -127,8 +125,7 @@ TEST_P(StopWith, LeavesAFewPercentOfErrorAtTheUsualTolerance) {
     for (int seed = 1; seed <= 8; ++seed) {
         Problem problem(seed);
         std::vector<Vec3d> x;
-        const PcgResult got =
-            problem.solve(options(PcgOptions::Test::Energy, 1e-4), x);
+        const PcgResult got = problem.solve(options(PcgOptions::Test::Energy, 1e-4), x);
         EXPECT_EQ(got.outcome, PcgResult::Outcome::Converged);
         EXPECT_LT(problem.relative_error(x), 0.03) << seed;
     }
@@ -233,7 +230,7 @@ TEST(PcgStop, EstimatesALowerBoundOfTheErrorFourIterationsAgo) {
     double delta = r.dot(p);
     PcgStop stop(energy_test());
     std::vector<double> error_sq(1, exact.dot(b));
-    for (int k = 1; k <= 60; ++k) {
+    while (error_sq.back() > 1e-9 * error_sq.front()) {
         const Eigen::VectorXd q = a * p;
         const double alpha = delta / p.dot(q);
         stop.add(alpha * delta);
@@ -243,16 +240,18 @@ TEST(PcgStop, EstimatesALowerBoundOfTheErrorFourIterationsAgo) {
         p = z + (r.dot(z) / delta) * p;
         delta = r.dot(z);
         error_sq.push_back((x - exact).dot(a * (x - exact)));
+        const std::size_t k = error_sq.size() - 1;
+        ASSERT_LT(k, 200u);
         if (k < kDelay) continue;
-        const double before = error_sq[static_cast<std::size_t>(k - kDelay)];
+        const double before = error_sq[k - kDelay];
         const double got = estimate(stop) * x.dot(a * x);
-        EXPECT_LE(got, before * (1.0 + 1e-9)) << k;
-        EXPECT_NEAR(got, before - error_sq.back(), 1e-9 * before) << k;
+        EXPECT_LE(got, before * (1.0 + 1e-6)) << k;
+        EXPECT_NEAR(got, before - error_sq.back(), 1e-6 * before) << k;
     }
-    EXPECT_LT(error_sq.back(), 1e-4 * error_sq.front());
+    EXPECT_GT(error_sq.size(), 12u);
 }
 
-TEST(PcgStop, WaitsForFourIterationsAndForTheResidual) {
+TEST(PcgStop, WaitsForFourIterations) {
     PcgStop stop(energy_test());
     stop.add(1.0);
     for (int k = 0; k < 2; ++k) {
@@ -263,8 +262,7 @@ TEST(PcgStop, WaitsForFourIterationsAndForTheResidual) {
     EXPECT_FALSE(stop.reached(1e-3));  // the first decrease is still in sight
     stop.add(0.0);
     EXPECT_TRUE(stop.reached(1e-3));
-    EXPECT_FALSE(stop.reached(0.02));
-    EXPECT_TRUE(stop.reached(0.0));
+    EXPECT_FALSE(PcgStop(energy_test()).reached(1e-3));
     EXPECT_TRUE(PcgStop(energy_test()).reached(0.0));
 }
 

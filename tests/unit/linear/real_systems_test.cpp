@@ -167,6 +167,26 @@ TEST_P(RealSystem, RigidAggregatesBeatEveryPreconditionerWithoutACoarseSpace) {
     EXPECT_LE(rigid32, GetParam().one_level_to_one_percent);
 }
 
+TEST_P(RealSystem, EnergyTestWithACoarseSpaceLeavesLessThanTwoPercentOfError) {
+    Pcg<CpuExec> pcg;
+    set_coarse_space(pcg, 32);
+    PcgOptions options;
+    options.test = PcgOptions::Test::Energy;
+    options.preconditioner = PreconditionerKind::GaussSeidel;
+    options.positions = view_of(system.positions);
+    x.resize(system.b.size());
+    const PcgResult result = pcg.solve(exec,
+                                       matrix,
+                                       terms,
+                                       view_of(system.b),
+                                       view_of(system.fixed),
+                                       options,
+                                       view_of(x));
+    EXPECT_EQ(result.outcome, PcgResult::Outcome::Converged);
+    RecordProperty("iterations", result.iterations);
+    EXPECT_LT(energy_error(x), 0.02);
+}
+
 TEST_P(RealSystem, PcgReachesTheStoredSolution) {
     PcgOptions options;
     options.tolerance = 1e-16;
