@@ -140,7 +140,7 @@ class GaussSeidelCg {
         return result;
     }
 
-    /// Rigid motions of these aggregates help where PcgOptions::coarse asks for it.
+    /// Rigid motions of these aggregates help where PcgOptions::positions are given.
     void set_aggregates(RigidAggregates aggregates) {
         coarse_.set_aggregates(std::move(aggregates));
         coarse_is_current_ = false;
