@@ -80,6 +80,7 @@ void apply_overrides(const RunArguments& a, Scene& scene) {
     override_with(a.friction_iterations, scene.contact.friction_iterations);
     if (!a.formats.empty()) scene.output.formats = a.formats;
     if (a.linear == "pcg") scene.solver.linear = LinearSolver::Pcg;
+    if (a.linear == "block_jacobi") scene.solver.linear = LinearSolver::BlockJacobi;
     if (a.linear == "cholmod") scene.solver.linear = LinearSolver::Cholmod;
     if (a.contact_hessian == "gn") scene.contact.hessian = ContactModel::Gn;
     if (a.contact_hessian == "gn+") scene.contact.hessian = ContactModel::GnPlus;

@@ -54,8 +54,9 @@ NOLI_HD inline void full_pair_hessian(const ContactFrame<S>& f,
 }  // namespace detail
 
 /// PSD Hessian of a pair: the positive eigenpairs of the full matrix, largest first.
-/// There are at most S - 1 (contact_pair.hpp); what exceeds them is rounding. Valid:   d
-/// > 0
+/// There are at most S - 1 (contact_pair.hpp); what exceeds them is rounding.
+///
+/// Valid: distance > 0
 template <int S>
 NOLI_HD inline StencilModes<S, kPairModes<S>> numeric_pair_hessian(
     PairKind kind, const Stencil<S>& x, const BarrierParams& params) {

@@ -2,7 +2,7 @@
 #include "linear/coarse_space.hpp"
 
 #include "exec/lanes.hpp"
-#include "linear/gauss_seidel_cg.hpp"
+#include "linear/sweeps.hpp"
 #include "linear/wide.hpp"
 
 #include <algorithm>

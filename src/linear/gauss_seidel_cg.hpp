@@ -33,62 +33,11 @@
 #include "linear/coarse_space.hpp"
 #include "linear/coloured_operator.hpp"
 #include "linear/pcg_options.hpp"
+#include "linear/sweeps.hpp"
 
 #include <cmath>
 
 namespace noli {
-
-namespace detail {
-
-/// Vectors in row order, four doubles per row of which the last stays 0. `Number` is what
-/// blocks are stored in, double or float; arithmetic is in double.
-template <class Number>
-struct SweepArrays {
-    View<const int> lower_begin, lower_col;  ///< with diagonal entries, which are skipped
-    View<const int> upper_begin, upper_col;
-    const Number* lower;  ///< L', column-major 3x3 blocks
-    const Number* upper;  ///< L'ᵀ, column-major 3x3 blocks
-    double *x, *r, *p, *t, *w;
-};
-
-/// Dot products over the rows of one group.
-struct SweepSums {
-    double rr =
-        0.0;  ///< r.r, from the backward sweep; the others are from the forward sweep
-    double pq = 0.0, rq = 0.0, qq = 0.0;
-};
-
-/// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w), p = r + beta p and
-/// t = p - L'ᵀ t. Returns r.r.
-double sweep_backward(
-    const SweepArrays<double>& s, double alpha, double beta, int begin, int end);
-double sweep_backward(
-    const SweepArrays<float>& s, double alpha, double beta, int begin, int end);
-
-/// For rows end-1 down to begin: t = p - L'ᵀ t.
-void sweep_backward_alone(const SweepArrays<double>& s, int begin, int end);
-void sweep_backward_alone(const SweepArrays<float>& s, int begin, int end);
-
-/// w = p - t - L' w for rows begin to end-1. Sets the sums over q = t + w.
-void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
-void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
-
-}  // namespace detail
-
-/// Inverse of the Cholesky factor of a 3x3 block, lower triangular, by columns padded to
-/// four.
-struct alignas(32) InverseFactor {
-    double c0[4];  ///< (i00, i10, i20, 0)
-    double c1[4];  ///< (0, i11, i21, 0)
-    double c2[4];  ///< (0, 0, i22, 0)
-};
-
-/// In:   m  (3,3) symmetric
-/// Out:  C⁻¹ with C Cᵀ = m; zero where m has no positive diagonal entry (an unknown that
-/// cannot
-///       move). Pivots within rounding of 0 are raised; false when one is below that or
-///       NaN.
-bool invert_factor(const Mat3d& m, InverseFactor& out);
 
 class GaussSeidelCg {
   public:
@@ -135,6 +84,8 @@ class GaussSeidelCg {
         }
         finish(exec, at.alpha, x);
         result.residual_ratio = at.ratio();
+        if (result.outcome == PcgResult::Outcome::Breakdown && single_)
+            return solve_in_double(exec, matrix, terms, b, fixed, options, x);
         if (!done && result.outcome == PcgResult::Outcome::Converged)
             result.outcome = PcgResult::Outcome::MaxIterations;
         return result;
@@ -163,6 +114,19 @@ class GaussSeidelCg {
         void start(double r_dot_r) { rr = first = r_dot_r; }
         [[nodiscard]] double ratio() const { return first > 0.0 ? rr / first : 0.0; }
     };
+
+    /// Blocks stored in single precision may no longer be positive definite.
+    template <class Exec>
+    PcgResult solve_in_double(Exec& exec,
+                              const BlockMatrix<Exec>& matrix,
+                              const LowRankTerms<Exec>& terms,
+                              View<const Vec3d> b,
+                              View<const std::uint8_t> fixed,
+                              PcgOptions options,
+                              View<Vec3d> x) {
+        options.inertia = {};
+        return solve(exec, matrix, terms, b, fixed, options, x);
+    }
 
     /// One iteration of sweeps alone. False if the operator is not positive definite.
     template <class Exec>

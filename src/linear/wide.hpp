@@ -2,7 +2,7 @@
 #pragma once
 /// Four doubles at a time, for loops that are compiled once for AVX2 and once without.
 
-#include <cstddef>
+#include "linear/sweeps.hpp"
 
 namespace noli::detail {
 
@@ -26,6 +26,17 @@ inline __attribute__((always_inline)) Wide load_wide(const float* v) {
                 static_cast<double>(v[1]),
                 static_cast<double>(v[2]),
                 static_cast<double>(v[3])};
+}
+
+/// Lanes added in a fixed order; lane 3 is 0.
+inline __attribute__((always_inline)) double add_lanes(const Wide& v) {
+    return v[0] + v[1] + v[2];
+}
+
+/// C⁻¹ v, lane 3 is 0
+inline __attribute__((always_inline)) Wide apply_factor(const InverseFactor& f,
+                                                        const Vec3d& v) {
+    return v.x * wide(f.c0) + v.y * wide(f.c1) + v.z * wide(f.c2);
 }
 
 }  // namespace noli::detail

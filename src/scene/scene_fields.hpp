@@ -61,7 +61,10 @@ inline constexpr std::array kIntegrators{
            "second order, keeps energy with the default beta and gamma"}};
 inline constexpr std::array kLinearSolvers{
     Choice{LinearSolver::Pcg, "pcg", "preconditioned conjugate gradients"},
-    Choice{LinearSolver::Cholmod, "cholmod", "sparse factorisation, if built in"}};
+    Choice{LinearSolver::Cholmod, "cholmod", "sparse factorisation, if built in"},
+    Choice{LinearSolver::BlockJacobi,
+           "block_jacobi",
+           "conjugate gradients as on a GPU, for comparison"}};
 
 template <class E, std::size_t n>
 std::span<const Choice<E>> all(const std::array<Choice<E>, n>& choices) {

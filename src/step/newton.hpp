@@ -241,9 +241,12 @@ class Newton {
                            double small,
                            const IterationRecord& record) {
         const double asked = settings_.solver.pcg_tolerance;
-        PcgOptions options{.max_iterations = settings_.solver.max_pcg,
-                           .preconditioner = PreconditionerKind::GaussSeidel,
-                           .inertia = objective_.inertia_diagonal()};
+        PcgOptions options{
+            .max_iterations = settings_.solver.max_pcg,
+            .preconditioner = settings_.solver.linear == LinearSolver::BlockJacobi
+                                ? PreconditionerKind::BlockJacobi
+                                : PreconditionerKind::GaussSeidel,
+            .inertia = objective_.inertia_diagonal()};
         if (use_coarse_) options.positions = x;
         if (asked > 0.0) {
             options.tolerance = pace_.tolerance(asked, record.boundary_moved);

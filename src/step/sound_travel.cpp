@@ -61,6 +61,8 @@ std::string describe_linear_solver(const Model& model,
                                    bool on_device) {
     if (asked == LinearSolver::Cholmod) return "CHOLMOD, as asked for";
     if (on_device) return "conjugate gradients, block Jacobi";
+    if (asked == LinearSolver::BlockJacobi)
+        return "conjugate gradients, block Jacobi, as asked for";
     const std::string reach = fmt::format(
         "stiffness reaches {:.2g} elements far in a step", sound_travel(model, dt));
     if (wants_coarse_space(model, dt))

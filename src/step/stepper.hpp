@@ -125,7 +125,6 @@ class Stepper {
     }
     [[nodiscard]] View<const Vec3d> x() const { return motion_.x.view(); }
     [[nodiscard]] int steps() const { return steps_; }
-    [[nodiscard]] const StepBoundary& boundary() const { return boundary_; }
 
   private:
     /// BDF2 needs two old states: its first step is an Euler step.

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "linear/sweeps.hpp"
+
+#include "exec/lanes.hpp"
+#include "linear/wide.hpp"
+
+#include <cmath>
+
+namespace noli {
+
+namespace {
+
+using detail::add_lanes;
+using detail::apply_factor;
+using detail::load_wide;
+using detail::wide;
+using Double4 = detail::Wide;
+
+std::size_t at(int i) {
+    return static_cast<std::size_t>(i);
+}
+
+/// Running sums of B x over column-major 3x3 blocks B, one per column so that they do not
+/// wait for each other. Loads of four reach one number past each column; total() drops
+/// that lane.
+struct ColumnSums {
+    Double4 c0{}, c1{}, c2{};
+
+    template <class Number>
+    void add(const Number* block, const double* x) {
+        c0 += load_wide(block) * x[0];
+        c1 += load_wide(block + 3) * x[1];
+        c2 += load_wide(block + 6) * x[2];
+    }
+    [[nodiscard]] Double4 total() const {
+        const Double4 sum = c0 + c1 + c2;
+        return Double4{sum[0], sum[1], sum[2], 0.0};
+    }
+};
+
+template <class Number>
+inline __attribute__((always_inline)) double backward_rows(
+    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
+    Double4 rr{};
+    for (int i = end - 1; i >= begin; --i) {
+        ColumnSums sums;
+        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
+            sums.add(s.upper + 9 * at(k), s.t + 4 * at(s.upper_col.data[k]));
+        const std::size_t row = 4 * at(i);
+        const Double4 t = wide(s.t + row);
+        wide(s.x + row) += alpha * t;
+        const Double4 r = wide(s.r + row) - alpha * (t + wide(s.w + row));
+        const Double4 p = r + beta * wide(s.p + row);
+        wide(s.r + row) = r;
+        wide(s.p + row) = p;
+        wide(s.t + row) = p - sums.total();
+        rr += r * r;
+    }
+    return add_lanes(rr);
+}
+
+template <class Number>
+inline __attribute__((always_inline)) void backward_rows_alone(
+    const detail::SweepArrays<Number>& s, int begin, int end) {
+    for (int i = end - 1; i >= begin; --i) {
+        ColumnSums sums;
+        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
+            sums.add(s.upper + 9 * at(k), s.t + 4 * at(s.upper_col.data[k]));
+        const std::size_t row = 4 * at(i);
+        wide(s.t + row) = wide(s.p + row) - sums.total();
+    }
+}
+
+template <class Number>
+inline __attribute__((always_inline)) void forward_rows(
+    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
+    Double4 pq{};
+    Double4 rq{};
+    Double4 qq{};
+    for (int i = begin; i < end; ++i) {
+        ColumnSums sums;
+        const int first = s.lower_begin.data[i];
+        const int last = s.lower_begin.data[i + 1] - 1;
+        const Number* block = s.lower + 9 * at(first - i);
+        for (int k = first; k < last; ++k, block += 9)
+            sums.add(block, s.w + 4 * at(s.lower_col.data[k]));
+        const std::size_t row = 4 * at(i);
+        const Double4 p = wide(s.p + row);
+        const Double4 t = wide(s.t + row);
+        const Double4 w = p - t - sums.total();
+        const Double4 q = t + w;
+        wide(s.w + row) = w;
+        pq += p * q;
+        rq += wide(s.r + row) * q;
+        qq += q * q;
+    }
+    out.pq = add_lanes(pq);
+    out.rq = add_lanes(rq);
+    out.qq = add_lanes(qq);
+}
+
+/// L' = C_i⁻¹ m C_j⁻ᵀ, written column by column and transposed.
+template <class Number>
+inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
+                                                       const Mat3d& m,
+                                                       const InverseFactor& fj,
+                                                       Number* columns,
+                                                       Number* rows) {
+    Double4 half[3];  // rows of m C_j⁻ᵀ
+    for (int r = 0; r < 3; ++r)
+        half[r] = apply_factor(fj, m.row(r));
+    const Double4 out[3] = {fi.c0[0] * half[0],
+                            fi.c0[1] * half[0] + fi.c1[1] * half[1],
+                            fi.c0[2] * half[0] + fi.c1[2] * half[1] + fi.c2[2] * half[2]};
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) {
+            rows[at(3 * r + c)] = static_cast<Number>(out[r][c]);
+            columns[at(3 * c + r)] = static_cast<Number>(out[r][c]);
+        }
+}
+
+using detail::RowScaling;
+
+/// Scales the `count` off-diagonal blocks of a row whose first one has number `first`.
+template <class Number>
+inline __attribute__((always_inline)) void scale_row_blocks(
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
+    for (int p = 0; p < count; ++p)
+        scale_block(s.scale[row],
+                    blocks[p],
+                    s.scale[s.col[p]],
+                    s.lower + 9 * at(first + p),
+                    s.upper + 9 * at(s.upper_place[first + p]));
+}
+
+#if defined(__x86_64__)
+template <class Number>
+__attribute__((target("avx2"), flatten)) double backward_rows_avx2(
+    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
+    return backward_rows(s, alpha, beta, begin, end);
+}
+template <class Number>
+__attribute__((target("avx2"), flatten)) void backward_rows_alone_avx2(
+    const detail::SweepArrays<Number>& s, int begin, int end) {
+    backward_rows_alone(s, begin, end);
+}
+template <class Number>
+__attribute__((target("avx2"), flatten)) void forward_rows_avx2(
+    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
+    forward_rows(s, begin, end, out);
+}
+template <class Number>
+__attribute__((target("avx2"), flatten)) void scale_row_blocks_avx2(
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
+    scale_row_blocks(s, row, first, count, blocks);
+}
+bool has_avx2() {
+    return lane_dispatch() != LaneDispatch::Width2;
+}
+#endif
+
+template <class Number>
+double sweep_rows_backward(
+    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
+#if defined(__x86_64__)
+    if (has_avx2()) return backward_rows_avx2(s, alpha, beta, begin, end);
+#endif
+    return backward_rows(s, alpha, beta, begin, end);
+}
+
+template <class Number>
+void sweep_rows_backward_alone(const detail::SweepArrays<Number>& s, int begin, int end) {
+#if defined(__x86_64__)
+    if (has_avx2()) return backward_rows_alone_avx2(s, begin, end);
+#endif
+    backward_rows_alone(s, begin, end);
+}
+
+template <class Number>
+void sweep_rows_forward(const detail::SweepArrays<Number>& s,
+                        int begin,
+                        int end,
+                        detail::SweepSums& sums) {
+#if defined(__x86_64__)
+    if (has_avx2()) return forward_rows_avx2(s, begin, end, sums);
+#endif
+    forward_rows(s, begin, end, sums);
+}
+
+template <class Number>
+void scale_any_blocks(
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
+#if defined(__x86_64__)
+    if (has_avx2()) return scale_row_blocks_avx2(s, row, first, count, blocks);
+#endif
+    scale_row_blocks(s, row, first, count, blocks);
+}
+
+}  // namespace
+
+namespace detail {
+
+void scale_blocks(
+    const RowScaling<double>& s, int row, int first, int count, const Mat3d* blocks) {
+    scale_any_blocks(s, row, first, count, blocks);
+}
+void scale_blocks(
+    const RowScaling<float>& s, int row, int first, int count, const Mat3d* blocks) {
+    scale_any_blocks(s, row, first, count, blocks);
+}
+
+double sweep_backward(
+    const SweepArrays<double>& s, double alpha, double beta, int begin, int end) {
+    return sweep_rows_backward(s, alpha, beta, begin, end);
+}
+double sweep_backward(
+    const SweepArrays<float>& s, double alpha, double beta, int begin, int end) {
+    return sweep_rows_backward(s, alpha, beta, begin, end);
+}
+void sweep_backward_alone(const SweepArrays<double>& s, int begin, int end) {
+    sweep_rows_backward_alone(s, begin, end);
+}
+void sweep_backward_alone(const SweepArrays<float>& s, int begin, int end) {
+    sweep_rows_backward_alone(s, begin, end);
+}
+void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
+    sweep_rows_forward(s, begin, end, sums);
+}
+void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
+    sweep_rows_forward(s, begin, end, sums);
+}
+
+}  // namespace detail
+
+bool invert_factor(const Mat3d& m, InverseFactor& out) {
+    const double largest = std::fmax(m.a[0], std::fmax(m.a[4], m.a[8]));
+    out = {};
+    if (largest <= 0.0) return m.a[0] == 0.0 && m.a[4] == 0.0 && m.a[8] == 0.0;
+    const double rounding = 1e-14 * largest;
+    bool positive = true;
+    const auto root = [&](double pivot) {
+        positive = positive && pivot > -100.0 * rounding;
+        return std::sqrt(std::fmax(pivot, rounding));
+    };
+    const double c00 = root(m.a[0]);
+    const double c10 = m.a[3] / c00;
+    const double c20 = m.a[6] / c00;
+    const double c11 = root(m.a[4] - c10 * c10);
+    const double c21 = (m.a[7] - c20 * c10) / c11;
+    const double c22 = root(m.a[8] - c20 * c20 - c21 * c21);
+    out.c0[0] = 1.0 / c00;
+    out.c1[1] = 1.0 / c11;
+    out.c2[2] = 1.0 / c22;
+    out.c0[1] = -c10 * out.c0[0] * out.c1[1];
+    out.c1[2] = -c21 * out.c1[1] * out.c2[2];
+    out.c0[2] = -(c20 * out.c0[0] + c21 * out.c0[1]) * out.c2[2];
+    return positive;
+}
+
+}  // namespace noli

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The triangular sweeps of gauss_seidel_cg.hpp over a range of rows, and the scaling of
+/// the blocks that they read.
+
+#include "core/vec.hpp"
+#include "core/view.hpp"
+
+#include <cstddef>
+
+namespace noli {
+
+namespace detail {
+
+/// Vectors in row order, four doubles per row of which the last stays 0. `Number` is what
+/// blocks are stored in, double or float; arithmetic is in double.
+template <class Number>
+struct SweepArrays {
+    View<const int> lower_begin, lower_col;  ///< with diagonal entries, which are skipped
+    View<const int> upper_begin, upper_col;
+    const Number* lower;  ///< L', column-major 3x3 blocks
+    const Number* upper;  ///< L'ᵀ, column-major 3x3 blocks
+    double *x, *r, *p, *t, *w;
+};
+
+/// Dot products over the rows of one group.
+struct SweepSums {
+    double rr =
+        0.0;  ///< r.r, from the backward sweep; the others are from the forward sweep
+    double pq = 0.0, rq = 0.0, qq = 0.0;
+};
+
+/// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w), p = r + beta p and
+/// t = p - L'ᵀ t. Returns r.r.
+double sweep_backward(
+    const SweepArrays<double>& s, double alpha, double beta, int begin, int end);
+double sweep_backward(
+    const SweepArrays<float>& s, double alpha, double beta, int begin, int end);
+
+/// For rows end-1 down to begin: t = p - L'ᵀ t.
+void sweep_backward_alone(const SweepArrays<double>& s, int begin, int end);
+void sweep_backward_alone(const SweepArrays<float>& s, int begin, int end);
+
+/// w = p - t - L' w for rows begin to end-1. Sets the sums over q = t + w.
+void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
+void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
+
+}  // namespace detail
+
+/// Inverse of the Cholesky factor of a 3x3 block, lower triangular, by columns padded to
+/// four.
+struct alignas(32) InverseFactor {
+    double c0[4];  ///< (i00, i10, i20, 0)
+    double c1[4];  ///< (0, i11, i21, 0)
+    double c2[4];  ///< (0, 0, i22, 0)
+};
+
+/// In:   m  (3,3) symmetric
+/// Out:  C⁻¹ with C Cᵀ = m; zero where m has no positive diagonal entry (an unknown that
+/// cannot
+///       move). Pivots within rounding of 0 are raised; false when one is below that or
+///       NaN.
+bool invert_factor(const Mat3d& m, InverseFactor& out);
+
+namespace detail {
+
+/// What filling a row of the scaled triangles needs.
+template <class Number>
+struct RowScaling {
+    const InverseFactor* scale;
+    const int* col;
+    const int* upper_place;
+    Number* lower;
+    Number* upper;
+};
+
+/// Scales the `count` off-diagonal blocks of a row whose first one has number `first`.
+void scale_blocks(
+    const RowScaling<double>& s, int row, int first, int count, const Mat3d* blocks);
+void scale_blocks(
+    const RowScaling<float>& s, int row, int first, int count, const Mat3d* blocks);
+
+}  // namespace detail
+
+}  // namespace noli
