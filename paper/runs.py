@@ -3,6 +3,8 @@
 import concurrent.futures
 import csv
 import dataclasses
+import functools
+import hashlib
 import json
 import os
 import pathlib
@@ -76,14 +78,20 @@ def merged(scene, changes):
 
 
 def run(noli, scene, name, folder, steps, timeout, threads=1, options=()):
-    """Runs `steps` steps of a scene (a dict) under folder/name."""
+    """Runs `steps` steps of a scene (a dict) under folder/name. With NOLI_KEEP_RUNS=1 a run that is there
+    already, of the same scene by the same program, is read instead: hours of runs can be done in parts."""
     folder = pathlib.Path(folder) / name
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "scene.json"
-    file.write_text(json.dumps(scene))
     stats = folder / "run" / "stats.csv"
-    if stats.exists():
-        stats.unlink()
+    identity = {"program": hash_of(noli), "scene": scene, "steps": steps, "threads": threads,
+                "timeout": timeout, "options": list(options)}
+    before = finished_before(folder / "done.json", identity)
+    if before is not None:
+        return read_run(name, folder, stats, before["code"], steps)
+    file.write_text(json.dumps(scene))
+    for old in (stats, folder / "done.json"):
+        old.unlink(missing_ok=True)
     command = [noli, "run", file, "-o", folder / "run", "--overwrite", "--frames-every", "0",
                "--steps", str(steps), "--threads", str(threads), *options]
     with open(folder / "log.txt", "w") as log:
@@ -92,7 +100,23 @@ def run(noli, scene, name, folder, steps, timeout, threads=1, options=()):
                                   timeout=timeout).returncode
         except subprocess.TimeoutExpired:
             code = None
-    return read_run(name, folder, stats, code, steps)
+    done = read_run(name, folder, stats, code, steps)
+    (folder / "done.json").write_text(json.dumps({**identity, "code": code}))
+    return done
+
+
+@functools.cache
+def hash_of(program):
+    return hashlib.sha256(pathlib.Path(program).read_bytes()).hexdigest()
+
+
+def finished_before(file, identity):
+    """What done.json says of an earlier run if it is the same run and may be kept, or None."""
+    if os.environ.get("NOLI_KEEP_RUNS") != "1" or not file.exists():
+        return None
+    before = json.loads(file.read_text())
+    same = all(before.get(key) == json.loads(json.dumps(value)) for key, value in identity.items())
+    return before if same else None
 
 
 def record(folder):

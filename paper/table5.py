@@ -26,45 +26,62 @@ PRINTED_DROP = {1e4: (33.2, 24.4), 1e5: (26.5, 16.5), 1e6: (24.8, 12.7), 1e7: No
 PRINTED_DOLPHIN = {0.01: (22.7, 20.1), 0.02: (29.6, 23.2), 0.03: (36.8, 28.4), 0.04: (38.4, 28.6),
                    0.05: (43.6, 32.7)}
 DOLPHIN = "timed/dolphinFunnel_50.txt"
-DOLPHIN_SECONDS = {"quick": 1.0, "full": 3.0}
+DOLPHIN_SECONDS = 1.0
+PAPER_MODELS = ("cpu-Li", "gn r2")  # those that the paper has
+# (size, steps, models): what --full runs of scene (a), and what is run without.
+QUICK_DROPS = (("small", 60, tuple(MODELS)),)
+FULL_DROPS = (("full", 16, PAPER_MODELS), *QUICK_DROPS)
 
 
-def jobs_of(noli, full):
-    jobs = []
-    size, steps = ("full", 95) if full else ("small", 60)
-    for young, printed in PRINTED_DROP.items():
-        jobs.append((f"drop {size} E {young:g}", soft_drop.soft_drop(young, size), steps, printed))
+def cases_of(noli, full):
+    """(name, scene, steps, models, printed average iterations) of each case."""
+    cases = []
+    for size, steps, models in FULL_DROPS if full else QUICK_DROPS:
+        for young, printed in PRINTED_DROP.items():
+            cases.append((f"drop {size} E {young:g}", soft_drop.soft_drop(young, size), steps, models, printed))
     dolphin = runs.script_scene(DOLPHIN, noli)
     if dolphin is None:
         print("dolphin: skipped, the shared scenes are not there")
-        return jobs
-    seconds = DOLPHIN_SECONDS["full" if full else "quick"]
+        return cases
     for dt, printed in PRINTED_DOLPHIN.items():
         if full or dt == 0.05:
-            jobs.append((f"dolphin dt {dt:g}", runs.merged(dolphin, {"dt": dt, "duration": seconds}),
-                         round(seconds / dt), printed))
-    return jobs
+            cases.append((f"dolphin dt {dt:g}", runs.merged(dolphin, {"dt": dt, "duration": DOLPHIN_SECONDS}),
+                          round(DOLPHIN_SECONDS / dt), tuple(MODELS), printed))
+    return cases
 
 
-def measure(noli, folder, case, scene, steps, printed, timeout):
-    """All models on one case, one after the other, so that their times can be compared."""
-    rows = []
-    for model, contact in MODELS.items():
-        changed = runs.merged(runs.merged(scene, {"contact": dict.fromkeys(
-            ("model", "hessian", "mollifier", "barrier_exponent"))}),
-            {"contact": {**contact, "strengthen": False}, "solver": {"linear": "cholmod"}})
+def under(model, scene):
+    """The scene with one of MODELS and CHOLMOD; nothing strengthens a Hessian that stalls."""
+    fresh = runs.merged(scene, {"contact": dict.fromkeys(("model", "hessian", "mollifier", "barrier_exponent"))})
+    return runs.merged(fresh, {"contact": {**MODELS[model], "strengthen": False}, "solver": {"linear": "cholmod"}})
+
+
+def row_of(case, model, done, printed):
+    p = done.phases
+    known = p["t_pairs"] + p["t_assemble"] + p["t_solve"] + p["t_ccd"]
+    return {
+        "case": case, "model": model, "steps": done.steps, "ended": done.ended,
+        "buildCP": p["t_pairs"], "buildGH": p["t_assemble"], "solve": p["t_solve"], "CCD": p["t_ccd"],
+        "#i": done.newton / max(done.steps, 1), "misc": done.wall_s - known, "timeTot": done.wall_s,
+        "barrier": p["t_barrier"], "min_gap": done.min_gap,
+        "printed #i": "" if printed is None or model not in PAPER_MODELS
+        else printed[PAPER_MODELS.index(model)]}
+
+
+def measure(arguments, case, scene, steps, models, printed):
+    """All models on one case, next to each other in time, so that their times can be compared. A direct
+    solver gains nothing from a second core here, so `workers` runs go at a time."""
+    threads = 1 if arguments.workers > 1 else os.cpu_count()
+
+    def execute(model):
         label = f"{case} {model}".replace(" ", "_")
-        done = runs.run(noli, changed, label, folder, steps, timeout, threads=os.cpu_count())
-        p = done.phases
-        known = p["t_pairs"] + p["t_assemble"] + p["t_solve"] + p["t_ccd"]
-        rows.append({
-            "case": case, "model": model, "steps": done.steps, "ended": done.ended,
-            "buildCP": p["t_pairs"], "buildGH": p["t_assemble"], "solve": p["t_solve"], "CCD": p["t_ccd"],
-            "#i": done.newton / max(done.steps, 1), "misc": done.wall_s - known, "timeTot": done.wall_s,
-            "barrier": p["t_barrier"], "min_gap": done.min_gap,
-            "printed #i": "" if printed is None or model not in ("cpu-Li", "gn r2")
-            else printed[0 if model == "cpu-Li" else 1]})
-        print(f"{label}: #i {rows[-1]['#i']:.2f} {done.ended} {done.wall_s:.1f} s", flush=True)
+        done = runs.run(arguments.noli, under(model, scene), label, arguments.work, steps,
+                        arguments.timeout, threads=threads)
+        row = row_of(case, model, done, printed)
+        print(f"{label}: #i {row['#i']:.2f} {done.ended} {done.wall_s:.1f} s", flush=True)
+        return row
+
+    rows = runs.run_all([lambda model=model: execute(model) for model in models], arguments.workers)
     for row in rows:
         row["iterations to cpu-Li"] = row["#i"] / rows[0]["#i"]
         row["speed-up"] = rows[0]["timeTot"] / row["timeTot"]
@@ -82,10 +99,11 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=runs.ROOT / "out/paper/runs")
     parser.add_argument("--full", action="store_true", help="full sizes and all time steps: hours")
     parser.add_argument("--timeout", type=float, default=600, help="seconds per run")
+    parser.add_argument("--workers", type=int, default=1, help="runs at a time, one thread each if more than one")
     arguments = parser.parse_args()
     table = []
-    for case, scene, steps, printed in jobs_of(arguments.noli, arguments.full):
-        table += measure(arguments.noli, arguments.work, case, scene, steps, printed, arguments.timeout)
+    for case in cases_of(arguments.noli, arguments.full):
+        table += measure(arguments, *case)
     arguments.out.mkdir(parents=True, exist_ok=True)
     with open(arguments.out / "table5.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, fieldnames=list(table[0]), lineterminator="\n")

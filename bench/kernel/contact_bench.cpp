@@ -29,7 +29,7 @@ struct Pile {
     [[nodiscard]] View<const Vec3d> x() const { return view(model.x0); }
 
     void find_candidates(CpuExec& exec) {
-        collision.begin_step(exec, model, model.obstacle, x());
+        collision.begin_step(exec, model, model.obstacle);
         collision.find_candidates_along(exec, x(), view(p), 1.0, kPileDhat);
     }
     void find_pairs(CpuExec& exec) {

@@ -37,13 +37,13 @@ class Collision {
     /// Takes the surface for one step. Cheap when `kinematic` is as before.
     void begin_step(Exec& exec,
                     const Model& model,
-                    const std::vector<std::uint8_t>& kinematic,
-                    View<const Vec3d> x) {
+                    const std::vector<std::uint8_t>& kinematic) {
         if (kinematic_ != kinematic) {
             mesh_.upload(exec, collision_mesh(model, kinematic));
             kinematic_ = kinematic;
+            broad_phase_.forget();
         }
-        broad_phase_.sort(exec, mesh_, x);
+        broad_phase_.sort_at_next_search();
     }
 
     /// Finds all pairs that get closer than dhat along x + t p, t in [0, alpha]; p may be

@@ -68,7 +68,7 @@ class Newton {
         law_.hessian = hessian_of(settings_.contact.hessian);
         {
             const PhaseTimer timer(report.t_pairs);
-            collision_.begin_step(exec_, model_, model_.obstacle, x);
+            collision_.begin_step(exec_, model_, model_.obstacle);
             collision_.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
             collision_.find_pairs_at(exec_, x, settings_.dhat, pairs_);
         }

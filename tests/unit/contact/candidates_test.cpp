@@ -136,8 +136,8 @@ TEST(Candidates, CommonMotionDropsOut) {
     const Shape s = two_spheres(0.02, 9);
     const std::vector<Vec3d> p(s.x.size(), Vec3d{5.0, -3.0, 2.0});
     CpuExec exec;
-    const CandidateLists moving = candidates_of(exec, s, p, 1.0, 0.03);
-    const CandidateLists still = candidates_of(exec, s, {}, 0.0, 0.03);
+    const CandidateLists moving = candidates_of(exec, s, p, 1.0, 0.1);
+    const CandidateLists still = candidates_of(exec, s, {}, 0.0, 0.1);
     EXPECT_GT(still.edge_edge.size(), 0U);
     EXPECT_EQ(moving.edge_edge, still.edge_edge);
     EXPECT_EQ(moving.vertex_triangle, still.vertex_triangle);

@@ -247,7 +247,7 @@ CandidateLists candidates_of(Exec& exec,
     DeviceCollisionMesh<Exec> mesh;
     mesh.upload(exec, s.mesh);
     BroadPhase<Exec> broad_phase;
-    if (sort_at != nullptr) broad_phase.sort(exec, mesh, view_of(*sort_at));
+    if (sort_at != nullptr) broad_phase.sort(exec, mesh.view(), view_of(*sort_at));
     Candidates<Exec> out;
     find_candidates(exec, mesh, broad_phase, s.view(), view_of(p), alpha, inflation, out);
     return {to_vector(out.vertex_triangle.view()),

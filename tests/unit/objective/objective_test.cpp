@@ -97,7 +97,7 @@ struct Stack {
                               view(x_start),
                               view(rattled(x_start, 1e-2)),
                               {fixed.data(), model.num_vertices});
-        collision.begin_step(exec, model, model.obstacle, view(x_start));
+        collision.begin_step(exec, model, model.obstacle);
         collision.find_candidates_along(exec, view(x_start), {}, 0.0, 2.0 * model.dhat);
         collision.find_pairs_at(exec, view(x_start), model.dhat, pairs);
         objective->lag_friction_at(exec, pairs, view(x_start), law);

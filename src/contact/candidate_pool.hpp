@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Pairs found once for a whole neighbourhood of positions, so that most queries of a
+/// time step need no tree search.
+///
+/// Newton moves far once or twice in a step and then ever less, and the next step starts
+/// where the last one ended. A pool belongs to reference positions and holds every pair
+/// that is closer than gap + 2 margin there, with its distance. A query whose vertices
+/// are displaced from the reference and travel on by no more than `margin` (sum of the
+/// largest of both) can bring no other pair closer than gap, and of the pool only pairs
+/// whose distance is below gap + displacement + travel of their own vertices. What is
+/// left takes the tests of a tree search (within_reach among them): a query finds the
+/// same candidates with a pool and without, bit for bit.
+
+#include "contact/collision_mesh.hpp"
+#include "contact/reach.hpp"
+
+#include <cstdint>
+
+namespace noli {
+
+/// A pool's neighbourhood.
+struct PoolRange {
+    View<const Vec3d> x;  ///< (num_vertices) reference positions, m
+    double margin;        ///< m
+    double gap;           ///< of the queries, m
+    double rounding;      ///< m, more than the error of distances and float boxes
+
+    /// The pool holds all pairs closer than this at the reference, m.
+    [[nodiscard]] NOLI_HD double distance() const {
+        return gap + 2.0 * margin + rounding;
+    }
+};
+
+/// How far a vertex is from the reference and how far it travels from there, m, rounded
+/// up.
+struct VertexReach {
+    float displaced, travels;
+};
+
+namespace detail {
+
+NOLI_HD inline float reach_up(double v) {
+    return static_cast<float>(v * (1.0 + 1e-6)) + 1e-37F;
+}
+
+/// out[v] for the vertices of the surface.
+template <class Exec>
+void vertex_reaches(Exec& exec,
+                    View<const int> vertices,
+                    View<const Vec3d> reference,
+                    Motion motion,
+                    View<VertexReach> out) {
+    const bool moves = motion.p.size > 0;
+    exec.for_each("contact/vertex_reaches", vertices.size, [=] NOLI_HD(int i) {
+        const int v = vertices[i];
+        out[v] = {reach_up(norm(motion.x[v] - reference[v])),
+                  moves ? reach_up(motion.alpha * norm(motion.p[v])) : 0.0F};
+    });
+}
+
+/// Largest displacement plus largest travel, m; not a number if one is not.
+template <class Exec>
+double largest_reach(Exec& exec,
+                     View<const int> vertices,
+                     View<const VertexReach> reaches) {
+    const double displaced =
+        exec.min("contact/largest_displaced", vertices.size, [=] NOLI_HD(int i) {
+            return -static_cast<double>(reaches[vertices[i]].displaced);
+        });
+    const double travels =
+        exec.min("contact/largest_travels", vertices.size, [=] NOLI_HD(int i) {
+            return -static_cast<double>(reaches[vertices[i]].travels);
+        });
+    return -displaced - travels;
+}
+
+/// Largest distance that a vertex of the surface travels, m.
+template <class Exec>
+double largest_travel(Exec& exec, View<const int> vertices, Motion motion) {
+    if (motion.p.size == 0 || vertices.size == 0) return 0.0;
+    const double sq =
+        -exec.min("contact/largest_travel", vertices.size, [=] NOLI_HD(int i) {
+            return -norm_sq(motion.p[vertices[i]]);
+        });
+    return motion.alpha * std::sqrt(sq);
+}
+
+/// Largest coordinate of a vertex of the surface, m.
+template <class Exec>
+double largest_coordinate(Exec& exec, View<const int> vertices, View<const Vec3d> x) {
+    if (vertices.size == 0) return 0.0;
+    return -exec.min("contact/largest_coordinate", vertices.size, [=] NOLI_HD(int i) {
+        return -max_abs(x[vertices[i]]);
+    });
+}
+
+template <class Exec>
+double mean_edge_length(Exec& exec, View<const double> length_sq) {
+    if (length_sq.size == 0) return 0.0;
+    const double sum =
+        exec.sum("contact/edge_lengths", length_sq.size, [=] NOLI_HD(int e) {
+            return std::sqrt(length_sq[e]);
+        });
+    return sum / length_sq.size;
+}
+
+/// A distance that is surely not above the true one, as a float.
+template <class IdsA, class IdsB>
+NOLI_HD inline float distance_below(View<const Vec3d> x, const IdsA& a, const IdsB& b) {
+    const double room = 1e-6 * size_of_pair(x, a, b);
+    return static_cast<float>(plain_distance(x, a, b) * (1.0 - 1e-6) - room);
+}
+
+/// Distances of vertex-triangle pairs at x.
+template <class Exec>
+void pool_distances(Exec& exec,
+                    View<const Int2> pairs,
+                    View<const Int3> triangles,
+                    View<const Vec3d> x,
+                    View<float> out) {
+    exec.for_each("contact/pool_distances", out.size, [=] NOLI_HD(int i) {
+        out[i] = distance_below(x, pairs[i][0], triangles[pairs[i][1]]);
+    });
+}
+
+/// Distances of edge pairs at x.
+template <class Exec>
+void pool_distances(Exec& exec,
+                    View<const Int2> pairs,
+                    View<const Int2> edges,
+                    View<const Vec3d> x,
+                    View<float> out) {
+    exec.for_each("contact/pool_distances", out.size, [=] NOLI_HD(int i) {
+        out[i] = distance_below(x, edges[pairs[i][0]], edges[pairs[i][1]]);
+    });
+}
+
+}  // namespace detail
+
+/// When to build a pool and how wide. Decides about time only, never about results.
+class PoolPolicy {
+  public:
+    /// Margin of a pool for a motion of that size, m; no more than `travel`: search
+    /// without one. `edge` = mean length of an edge, m.
+    [[nodiscard]] double margin_for(double travel, double gap, double edge) {
+        const double most = share_ * (kOfEdge * edge + kOfGap * gap);
+        if (!(2.0 * travel <= most)) return 0.0;
+        if (pause_ > 0) {
+            --pause_;
+            return 0.0;
+        }
+        return std::fmin(most, std::fmax(0.25 * most, 4.0 * travel));
+    }
+    /// Large pools take longer than they save: the next ones get smaller.
+    void built(int num_pairs, int num_edges) {
+        used_ = false;
+        if (num_pairs > num_edges / 4)
+            share_ *= 0.7;
+        else if (share_ < 1.0)
+            share_ *= 1.05;
+    }
+    void used() {
+        used_ = true;
+        next_pause_ = 1;
+    }
+    /// The pool does not cover a query: if it never did, do without one for a while.
+    void missed() {
+        if (used_) return;
+        pause_ = next_pause_;
+        next_pause_ = next_pause_ < kLongestPause ? 2 * next_pause_ : kLongestPause;
+        used_ = true;
+    }
+
+  private:
+    static constexpr double kOfEdge = 0.1;
+    static constexpr double kOfGap = 0.25;
+    static constexpr int kLongestPause = 8;
+    double share_ = 1.0;
+    int pause_ = 0;
+    int next_pause_ = 1;
+    bool used_ = true;  ///< or none was built
+};
+
+}  // namespace noli

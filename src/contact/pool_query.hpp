@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// The tests that make a pair a candidate, for searches and for pools, and the pairs of a
+/// pool that pass them.
+
+#include "contact/candidate_pool.hpp"
+#include "contact/collision_mesh.hpp"
+#include "contact/moving_box.hpp"
+#include "contact/reach.hpp"
+
+#include <cstdint>
+
+namespace noli::detail {
+
+/// True if the motion may bring the two closer than gap; their boxes overlap.
+template <class IdsA, class IdsB>
+NOLI_HD inline bool may_get_close(const Motion& motion,
+                                  const IdsA& a,
+                                  const IdsB& b,
+                                  double gap) {
+    return !stay_apart(motion, a, b, gap) && within_reach(motion, a, b, gap);
+}
+
+/// Accepts vertex-triangle pairs that may get closer than gap.
+struct VertexTriangleTest {
+    static constexpr bool kSelf = false;
+    static constexpr bool kSkipShared = true;
+    CollisionMeshView mesh;
+    Motion motion;
+    double gap;
+
+    NOLI_HD bool operator()(int query, int triangle) const {
+        const int vertex = mesh.vertices[query];
+        const Int3& corners = mesh.triangles[triangle];
+        return may_get_close(motion, vertex, corners, gap)
+            && mesh.may_collide(vertex, corners);
+    }
+};
+
+/// Accepts edge pairs that may get closer than gap.
+struct EdgeEdgeTest {
+    static constexpr bool kSelf = true;
+    static constexpr bool kSkipShared = true;
+    CollisionMeshView mesh;
+    Motion motion;
+    double gap;
+
+    NOLI_HD bool operator()(int edge_a, int edge_b) const {
+        const Int2& a = mesh.edges[edge_a];
+        const Int2& b = mesh.edges[edge_b];
+        return may_get_close(motion, a, b, gap) && mesh.may_collide(a, b);
+    }
+};
+
+/// The box that a tree holds for a primitive.
+template <class Box, class Ids>
+NOLI_HD inline Box box_of(const Motion& motion, const Ids& ids, double gap) {
+    Box box;
+    make_empty(box);
+    for (int k = 0; k < kNumCorners<Ids>; ++k)
+        add_vertex(box, motion, corner(ids, k), gap);
+    return box;
+}
+
+/// How far a primitive is displaced and travels at most.
+template <class Ids>
+NOLI_HD inline float reach_of(View<const VertexReach> reaches, const Ids& ids) {
+    VertexReach most = reaches[corner(ids, 0)];
+    for (int k = 1; k < kNumCorners<Ids>; ++k) {
+        const VertexReach& r = reaches[corner(ids, k)];
+        most.displaced = r.displaced > most.displaced ? r.displaced : most.displaced;
+        most.travels = r.travels > most.travels ? r.travels : most.travels;
+    }
+    return most.displaced + most.travels;
+}
+
+/// A query of a pool that covers it.
+struct PoolQuery {
+    CollisionMeshView mesh;
+    Motion motion;
+    double gap;
+    View<const VertexReach> reaches;
+
+    /// False only for pairs that no search would accept.
+    template <class IdsA, class IdsB>
+    [[nodiscard]] NOLI_HD bool worth_a_test(const IdsA& a,
+                                            const IdsB& b,
+                                            float distance) const {
+        const float reach = reach_of(reaches, a) + reach_of(reaches, b);
+        return !(distance >= static_cast<float>(gap) * 1.000001F + reach * 1.000001F);
+    }
+};
+
+/// Keeps vertex-triangle pairs: vertices grow by the gap.
+template <class Box>
+struct PooledVertexTriangle {
+    PoolQuery query;
+
+    NOLI_HD bool operator()(const Int2& pair, float distance) const {
+        const Motion& motion = query.motion;
+        const Int3& corners = query.mesh.triangles[pair[1]];
+        return query.worth_a_test(pair[0], corners, distance)
+            && overlap(box_of<Box>(motion, pair[0], query.gap),
+                       box_of<Box>(motion, corners, 0.0))
+            && may_get_close(motion, pair[0], corners, query.gap);
+    }
+};
+
+/// Keeps edge pairs: each edge grows by half of the gap.
+template <class Box>
+struct PooledEdgeEdge {
+    PoolQuery query;
+
+    NOLI_HD bool operator()(const Int2& pair, float distance) const {
+        const Motion& motion = query.motion;
+        const Int2& a = query.mesh.edges[pair[0]];
+        const Int2& b = query.mesh.edges[pair[1]];
+        return query.worth_a_test(a, b, distance)
+            && overlap(box_of<Box>(motion, a, 0.5 * query.gap),
+                       box_of<Box>(motion, b, 0.5 * query.gap))
+            && may_get_close(motion, a, b, query.gap);
+    }
+};
+
+inline constexpr int kPoolChunk = 32;
+
+/// keep[i] = 1 where the test accepts pair i; counts per chunk of pairs.
+template <class Exec, class Test>
+void mark_kept(Exec& exec,
+               View<const Int2> pairs,
+               View<const float> distances,
+               Test test,
+               View<std::uint8_t> keep,
+               View<int> counts) {
+    exec.for_each(
+        "contact/mark_kept",
+        counts.size,
+        [=] NOLI_HD(int c) {
+            const int begin = c * kPoolChunk;
+            const int end =
+                begin + kPoolChunk < pairs.size ? begin + kPoolChunk : pairs.size;
+            int count = 0;
+            for (int i = begin; i < end; ++i) {
+                keep[i] = test(pairs[i], distances[i]) ? 1 : 0;
+                count += keep[i];
+            }
+            counts[c] = count;
+        },
+        8);
+}
+
+/// The kept pairs in their order.
+template <class Exec>
+void write_kept(Exec& exec,
+                View<const Int2> pairs,
+                View<const std::uint8_t> keep,
+                View<const int> offsets,
+                View<Int2> out) {
+    exec.for_each("contact/write_kept", offsets.size - 1, [=] NOLI_HD(int c) {
+        const int begin = c * kPoolChunk;
+        const int end =
+            begin + kPoolChunk < pairs.size ? begin + kPoolChunk : pairs.size;
+        int at = offsets[c];
+        for (int i = begin; i < end; ++i)
+            if (keep[i]) out[at++] = pairs[i];
+    });
+}
+
+/// Buffers of keep_pairs, kept between calls.
+template <class Exec>
+struct KeepWork {
+    typename Exec::template Buffer<std::uint8_t> keep;
+    typename Exec::template Buffer<int> counts, offsets;
+};
+
+/// out = the pairs that the test accepts, in their order.
+template <class Exec, class Test>
+void keep_pairs(Exec& exec,
+                View<const Int2> pairs,
+                View<const float> distances,
+                const Test& test,
+                KeepWork<Exec>& work,
+                typename Exec::template Buffer<Int2>& out) {
+    const int num_chunks = (pairs.size + kPoolChunk - 1) / kPoolChunk;
+    work.keep.resize(pairs.size);
+    work.counts.resize(num_chunks);
+    work.offsets.resize(num_chunks + 1);
+    mark_kept(exec, pairs, distances, test, work.keep.view(), work.counts.view());
+    out.resize(exec.scan(
+        "contact/scan_kept", View<const int>(work.counts.view()), work.offsets.view()));
+    write_kept(exec,
+               pairs,
+               View<const std::uint8_t>(work.keep.view()),
+               View<const int>(work.offsets.view()),
+               out.view());
+}
+
+}  // namespace noli::detail
