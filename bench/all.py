@@ -12,7 +12,8 @@ import sys
 import machine
 
 HERE = pathlib.Path(__file__).resolve().parent
-RESULTS = ("kernels.csv", "contact_products.csv", "scenes.csv", "growth.csv", "parallel.csv", "README.md")
+RESULTS = ("kernels.csv", "contact_products.csv", "scenes.csv", "growth.csv", "parallel.csv", "solvers.csv",
+           "README.md")
 
 
 def build(folder, jobs):
@@ -31,11 +32,12 @@ def main():
     build(arguments.build, arguments.jobs)
     common = ["--out", arguments.out, *(["--full"] if arguments.full else [])]
     failed = False
-    for name, options in (("kernels", ["--build", arguments.build]), ("scenes", ["--noli", arguments.build / "noli"])):
+    program = ["--noli", arguments.build / "noli"]
+    for name, options in (("kernels", ["--build", arguments.build]), ("scenes", program), ("solvers", program)):
         print(f"--- {name}", flush=True)
         failed |= subprocess.run([sys.executable, HERE / f"{name}.py", *options, *common]).returncode != 0
 
-    pages = [path.read_text() for name in ("kernels", "scenes") if (path := arguments.out / f"{name}.md").exists()]
+    pages = [path.read_text() for name in ("kernels", "scenes", "solvers") if (path := arguments.out / f"{name}.md").exists()]
     (arguments.out / "README.md").write_text("# Benchmark results\n\n" + "\n".join(pages))
     if arguments.commit_results and not failed:
         (HERE / "results").mkdir(exist_ok=True)

@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
     g++ cmake ninja-build git python3
     libtbb-dev nlohmann-json3-dev libcli11-dev libfmt-dev zlib1g-dev libxxhash-dev
-    libtinyobjloader-dev libsuitesparse-dev libmetis-dev
+    libtinyobjloader-dev libsuitesparse-dev libopenblas0-pthread libmetis-dev
     libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev python3-jsonschema
     clang-format-14 clang-tidy-14
 )

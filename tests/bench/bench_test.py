@@ -10,7 +10,7 @@ import tempfile
 
 root = pathlib.Path(__file__).resolve().parents[2]
 noli = pathlib.Path(os.environ["NOLI_BINARY"])
-COLUMNS = """date commit cpu cores memory_gb simd scene family variant threads repeat tets vertices dt_s steps newton
+COLUMNS = """date commit cpu cores memory_gb blas simd scene family variant threads repeat tets vertices dt_s steps newton
     pcg newton_tolerance_m_per_s pcg_tolerance contacts_mean contacts_max min_gap_m unconverged_steps ended peak_mb
     bytes_per_tet s_per_step s_per_newton wall_s process_s t_pairs t_assemble t_solve t_ccd t_search t_output
     t_elastic t_barrier t_friction state_hash intersections inversions residual_max_m_per_s
@@ -39,6 +39,14 @@ with tempfile.TemporaryDirectory() as folder:
     growth, parallel = read(out / "growth.csv"), read(out / "parallel.csv")
     summary = (out / "scenes.md").read_text()
     expect(str(root) not in text and folder not in text, "a CSV holds a path of this machine")
+
+    solvers = subprocess.run([sys.executable, "-B", root / "bench/solvers.py", "--noli", noli, "--out", out,
+                              "--scenes", "2cubesFall|falling_blocks.*10000", "--limit", "60"])
+    if os.environ.get("NOLI_HAVE_CHOLMOD") == "1":
+        expect(solvers.returncode == 0, f"solvers.py ended with {solvers.returncode}")
+        table = read(out / "solvers.csv")
+        expect({row["solver"] for row in table} == {"chosen", "block Jacobi", "CHOLMOD"}, "a solver is missing")
+        expect(all(int(row["steps"]) > 0 and float(row["solve_s"]) > 0 for row in table), "a solver did nothing")
 
 for column in COLUMNS:
     expect(column in rows[0], f"scenes.csv has no column {column}")
