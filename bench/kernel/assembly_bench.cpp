@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Gradient and Hessian of a box as Newton assembles them: element derivatives, the sum
-/// into the block matrix, inertia. `per_tet` is the whole, `elastic_per_tet` the part
-/// before the matrix, in seconds. NOLI_SIMD=2|4|8 in the environment chooses the pack
+/// into the block matrix, inertia. `per_tet` is the whole, `elastic_per_tet` the elements
+/// alone, in seconds. NOLI_SIMD=2|4|8 in the environment chooses the pack
 /// width.
 
 #include "exec/arena.hpp"

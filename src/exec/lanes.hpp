@@ -62,6 +62,22 @@ run_packs_8(int begin, int end, const F& f) {
 }
 #endif
 
+template <class F>
+__attribute__((flatten)) void call_with_packs_2(const F& f) {
+    f(Lane<Pack<2>>{0});
+}
+#if defined(__x86_64__)
+template <class F>
+__attribute__((target("avx2"), flatten)) void call_with_packs_4(const F& f) {
+    f(Lane<Pack<4>>{0});
+}
+template <class F>
+__attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"), flatten)) void
+call_with_packs_8(const F& f) {
+    f(Lane<Pack<8>>{0});
+}
+#endif
+
 }  // namespace detail
 
 template <class F>
@@ -71,6 +87,16 @@ void run_lane_block(LaneDispatch dispatch, int begin, int end, const F& f) {
     if (dispatch == LaneDispatch::Width4) return detail::run_packs_4(begin, end, f);
 #endif
     detail::run_packs_2(begin, end, f);
+}
+
+/// f(Lane<Pack<W>>{0}) once: for kernels that go through several packs themselves.
+template <class F>
+void call_with_packs(LaneDispatch dispatch, const F& f) {
+#if defined(__x86_64__)
+    if (dispatch == LaneDispatch::Width8) return detail::call_with_packs_8(f);
+    if (dispatch == LaneDispatch::Width4) return detail::call_with_packs_4(f);
+#endif
+    detail::call_with_packs_2(f);
 }
 #endif
 

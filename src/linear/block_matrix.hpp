@@ -163,6 +163,8 @@ class BlockMatrix {
     [[nodiscard]] View<const int> col() const { return col_.view(); }
     [[nodiscard]] View<const int> diagonal() const { return diagonal_.view(); }
     [[nodiscard]] View<const Mat3d> values() const { return values_.view(); }
+    /// For who writes the values block by block.
+    View<Mat3d> mutable_values() { return values_.view(); }
 
     /// Bytes held, for the memory report.
     [[nodiscard]] std::size_t bytes() const {

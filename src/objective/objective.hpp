@@ -11,7 +11,7 @@
 #include "contact/pairs.hpp"
 #include "core/timer.hpp"
 #include "linear/block_matrix.hpp"
-#include "objective/elastic_terms.hpp"
+#include "objective/elastic_assembly.hpp"
 #include "objective/friction_terms.hpp"
 #include "objective/inertia.hpp"
 #include "objective/pair_terms.hpp"
@@ -28,7 +28,8 @@ struct StepScales {
     double friction_eps = 0.0;       ///< epsv dt, m
 };
 
-/// Where assembly spends its time: energies' gradients and projected Hessians, s.
+/// Where assembly spends its time: energies' gradients and projected Hessians, s; on the
+/// CPU `elastic` includes their sum into the matrix.
 struct AssemblySeconds {
     double elastic = 0.0, barrier = 0.0, friction = 0.0;
 };
@@ -119,7 +120,8 @@ class Objective {
     template <class T>
     using Buffer = typename Exec::template Buffer<T>;
 
-    Objective(Exec& exec, const Model& model, const BlockPattern& pattern) {
+    Objective(Exec& exec, const Model& model, const BlockPattern& pattern)
+        : elasticity_(model, pattern) {
         device_.upload(exec, model);
         matrix_.set_pattern(exec, pattern);
         exec.upload(model_planes(model), planes_);
@@ -206,14 +208,18 @@ class Objective {
                   View<const Vec3d> x,
                   const PairSet<Exec>& pairs,
                   const ContactLaw& law) {
+        detail::inertia_gradients(exec, inertia(), x, gradient_.view());
+        detail::inertia_diagonals(exec, inertia(), diagonal_.view());
         {
             const PhaseTimer timer(seconds_.elastic);
-            elastic_derivatives(exec, device_, x, scales_.h_sq, corners_, blocks_);
+            elasticity_.assemble(exec,
+                                 device_,
+                                 x,
+                                 scales_.h_sq,
+                                 diagonal_.view(),
+                                 gradient_.view(),
+                                 matrix_);
         }
-        detail::inertia_gradients(exec, inertia(), x, gradient_.view());
-        gather_corners(exec, device_, corners_.view(), gradient_.view());
-        detail::inertia_diagonals(exec, inertia(), diagonal_.view());
-        matrix_.assemble(exec, blocks_.view(), diagonal_.view());
         if (scales_.stiffness_damping > 0.0) {
             detail::subtract(
                 exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
@@ -326,10 +332,14 @@ class Objective {
         if (!has_damping_pattern_) damping_.set_pattern(exec, *pattern_);
         has_damping_pattern_ = true;
         const double scale = scales_.h_sq * scales_.stiffness_damping;
-        elastic_derivatives(
-            exec, device_, View<const Vec3d>(x_start_.view()), scale, corners_, blocks_);
         detail::set_zero(exec, diagonal_.view());
-        damping_.assemble(exec, blocks_.view(), diagonal_.view());
+        elasticity_.assemble(exec,
+                             device_,
+                             View<const Vec3d>(x_start_.view()),
+                             scale,
+                             diagonal_.view(),
+                             {},
+                             damping_);
     }
 
     void fill_terms(Exec& exec,
@@ -387,6 +397,7 @@ class Objective {
 
     AssemblySeconds seconds_;
     DeviceModel<Exec> device_;
+    ElasticAssembly<Exec> elasticity_;
     StepScales scales_;
     const BlockPattern* pattern_ = nullptr;
     BlockMatrix<Exec> matrix_;
@@ -397,7 +408,7 @@ class Objective {
     Buffer<CollisionMesh::Plane> planes_;
     Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_,
         term_gradients_;
-    Buffer<double> mass_, diagonal_, blocks_, per_tet_;
+    Buffer<double> mass_, diagonal_, per_tet_;
     View<const std::uint8_t> fixed_{};
 };
 

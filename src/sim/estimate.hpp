@@ -11,8 +11,9 @@ inline double estimate_megabytes(const Model& model) {
     const double vertices = model.num_vertices;
     const double surface =
         static_cast<double>(model.triangles.size() + model.edges.size());
-    const double per_tet =
-        90 * 8 + 4 * 24 + 9 * 8 + 3 * 8 + 16 + 10 * 6;  // blocks, corners, shape, lists
+    const double shape = 9 * 8 + 3 * 8 + 16;
+    const double per_tet = 3 * shape + 24 + 4 * 24   // model, loops, groups; corners
+                         + 10 * 6 + 10 * 2 + 3 * 8;  // lists of the gather and the sums
     const double per_vertex = 15 * (72 + 8) + 30 * 24;  // block rows, vectors
     const double per_primitive = 400;                   // trees, candidates, pairs
     return 20.0
