@@ -11,6 +11,9 @@
 #include "core/view.hpp"
 #include "linear/element_sums.hpp"
 
+#include <algorithm>
+#include <cstddef>
+
 namespace noli::detail {
 
 /// Upper blocks of kElementGroup elements, the numbers of an element together.
@@ -98,6 +101,35 @@ struct SumOutput {
     const double* diagonal;  ///< per row: multiple of the identity to add
     Vec3d* gradient;         ///< per row, added to; or null
 };
+
+inline constexpr int kToRead = 0;
+inline constexpr int kToWrite = 1;
+
+/// Asks for all cache lines of an object.
+template <std::size_t kBytes, int kUse>
+inline void prefetch_bytes(const void* object) {
+    constexpr std::size_t kLine = 64;
+    const char* at = static_cast<const char*>(object);
+    for (std::size_t k = 0; k < kBytes; k += kLine)
+        __builtin_prefetch(at + k, kUse);
+    __builtin_prefetch(at + kBytes - 1, kUse);
+}
+
+/// Asks for what sums [begin, end) of a block will be moved to.
+inline void prefetch_targets(const int* kind_begin,
+                             const SumTarget* target,
+                             int begin,
+                             int end,
+                             const SumOutput& out) {
+    constexpr auto kBytes = sizeof(Mat3d);
+    for (int s = begin; s < end; ++s)
+        prefetch_bytes<kBytes, kToWrite>(&out.values[target[s].upper]);
+    const int mirrored_begin = kind_begin[sum_kind::kOffDiagonal] - kind_begin[0];
+    const int mirrored_end =
+        kind_begin[sum_kind::kOffDiagonal + sum_kind::kStays] - kind_begin[0];
+    for (int s = std::max(begin, mirrored_begin); s < std::min(end, mirrored_end); ++s)
+        prefetch_bytes<kBytes, kToWrite>(&out.values[target[s].other]);
+}
 
 template <int W>
 inline void store_transposed_head(const double* head, double* to) {

@@ -45,6 +45,7 @@ struct TetBlockKernel {
         const std::uint16_t* slot = block.slot;
         for (int first = 0; first < block.num_tets; first += kElementGroup) {
             const TetGroup& tets = block.group[first / kElementGroup];
+            prefetch(first, tets);
             for (int j = 0; j < kElementGroup; j += W)
                 differentiate<W>(tets, j, group);
             add_elements<W>(
@@ -55,6 +56,20 @@ struct TetBlockKernel {
     }
 
   private:
+    /// Asks for the next group's constants and for a share of what the sums will be moved
+    /// to: when assembly begins, a solve has filled the caches with other things.
+    void prefetch(int first, const TetGroup& tets) const {
+        prefetch_bytes<sizeof(TetGroup), kToRead>(&tets + 1);
+        const int groups = (block.num_tets + kElementGroup - 1) / kElementGroup;
+        const int group = first / kElementGroup;
+        const int num_sums = block.kind_begin[sum_kind::kCount] - block.kind_begin[0];
+        prefetch_targets(block.kind_begin,
+                         block.target,
+                         num_sums * group / groups,
+                         num_sums * (group + 1) / groups,
+                         out);
+    }
+
     template <int W>
     void differentiate(const TetGroup& tets, int j, GroupBlocks& to) const {
         const auto all = tet_derivatives<M, kResist>(load_tets<W>(tets, x, j, scale),

@@ -22,7 +22,8 @@ struct alignas(64) TetGroup {
 };
 
 /// One group for each kElementGroup elements of each block; the last of a block repeats
-/// its last element where it has fewer.
+/// its last element where it has fewer. One more at the end, so that every group has a
+/// next one to prefetch.
 inline std::vector<TetGroup> group_tets(const Model& model,
                                         const ElementPartition& partition) {
     std::vector<TetGroup> groups;
@@ -44,6 +45,7 @@ inline std::vector<TetGroup> group_tets(const Model& model,
             }
         }
     }
+    groups.push_back({});
     return groups;
 }
 
