@@ -98,7 +98,53 @@ NOLI_HD inline double safe_part(const VolumeCubic& g, double lo, double w) {
     return first;
 }
 
+/// Determinant of three columns.
+template <class T>
+NOLI_HD inline T determinant(const Vec3<T>& a, const Vec3<T>& b, const Vec3<T>& c) {
+    return dot(cross(a, b), c);
+}
+
+template <class T>
+NOLI_HD inline T size_1_of(const Vec3<T>& a) {
+    using std::fabs;
+    return fabs(a.x) + fabs(a.y) + fabs(a.z);
+}
+
 }  // namespace detail
+
+/// Whether inversion_bound is 1 beyond doubt: a mask over lanes, or a bool. True for all
+/// but the tetrahedra that lose much of their volume, at a fraction of the price.
+///
+/// The four Bernstein coefficients on [0, 1] of  f(t) - keep f(0), in the notation of the
+/// file's head, must exceed 1e-12 of the product of the columns' sizes, which bound every
+/// intermediate value: some hundred times what rounding here and in inversion_bound can
+/// change. NaN and overflow give false.
+///
+/// In:   x, p  (4) vertices, m, and their motions
+template <class T>
+NOLI_HD inline auto surely_keeps_volume(const Vec3<T> (&x)[4],
+                                        const Vec3<T> (&p)[4],
+                                        double keep) {
+    using detail::determinant;
+    Vec3<T> a[3];
+    Vec3<T> q[3];
+    T size(1e-12);
+    for (int i = 0; i < 3; ++i) {
+        a[i] = x[i + 1] - x[0];
+        q[i] = p[i + 1] - p[0];
+        size *= detail::size_1_of(a[i]) + detail::size_1_of(q[i]);
+    }
+    const T volume = determinant(a[0], a[1], a[2]);
+    const T d1 = determinant(q[0], a[1], a[2]) + determinant(a[0], q[1], a[2])
+               + determinant(a[0], a[1], q[2]);
+    const T d2 = determinant(a[0], q[1], q[2]) + determinant(q[0], a[1], q[2])
+               + determinant(q[0], q[1], a[2]);
+    const T d3 = determinant(q[0], q[1], q[2]);
+    const T b0 = T(1.0 - keep) * volume;
+    const T third(1.0 / 3.0);
+    return (b0 > size) & (b0 + third * d1 > size) & (b0 + third * (d1 + d1 + d2) > size)
+         & (b0 + d1 + d2 + d3 > size);
+}
 
 /// Largest t found in (0, 1] such that the signed volume of the tetrahedron x (positive
 /// when (x1-x0) x (x2-x0) points to x3) stays >= keep times its initial value at every

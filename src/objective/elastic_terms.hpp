@@ -208,6 +208,44 @@ void gather_corners(Exec& exec,
     });
 }
 
+namespace detail {
+
+/// out[t] = inversion_bound of tet t. What surely keeps its volume needs no more than
+/// that test.
+struct InversionBoundKernel {
+    View<const Int4> tets;
+    View<const Vec3d> x, p;
+    double keep;
+    View<double> out;
+
+    template <class T>
+    NOLI_HD void operator()(Lane<T> lane) const {
+        Vec3<T> at[4];
+        Vec3<T> move[4];
+        for (int c = 0; c < 4; ++c) {
+            at[c] = load_vec3_lanes<T>([&](int j) { return x[tets[lane.first + j][c]]; });
+            move[c] =
+                load_vec3_lanes<T>([&](int j) { return p[tets[lane.first + j][c]]; });
+        }
+        const T bound = select(surely_keeps_volume(at, move, keep), T(1.0), T(0.0));
+        for (int j = 0; j < kLaneWidth<T>; ++j)
+            out[lane.first + j] = lane_of(bound, j) > 0.0 ? 1.0 : solved(lane.first + j);
+    }
+
+  private:
+    [[nodiscard]] NOLI_HD double solved(int t) const {
+        Stencil<4> at;
+        Stencil<4> move;
+        for (int c = 0; c < 4; ++c) {
+            at.x[c] = x[tets[t][c]];
+            move.x[c] = p[tets[t][c]];
+        }
+        return inversion_bound(at, move, keep);
+    }
+};
+
+}  // namespace detail
+
 /// Largest t in (0, 1] for which every tet keeps `keep` of its volume along x + t p, and
 /// that tet.
 struct InversionBound {
@@ -223,18 +261,11 @@ InversionBound inversion_step_bound(Exec& exec,
                                     double keep,
                                     typename Exec::template Buffer<double>& per_tet) {
     per_tet.resize(model.num_tets);
-    const View<const Int4> tets = model.tets.view();
     const View<double> bound = per_tet.view();
     const int num_tets = model.num_tets;
-    exec.for_each("objective/inversion_bound", num_tets, [=] NOLI_HD(int t) {
-        Stencil<4> at;
-        Stencil<4> move;
-        for (int c = 0; c < 4; ++c) {
-            at.x[c] = x[tets[t][c]];
-            move.x[c] = p[tets[t][c]];
-        }
-        bound[t] = inversion_bound(at, move, keep);
-    });
+    exec.for_lanes("objective/inversion_bound",
+                   num_tets,
+                   detail::InversionBoundKernel{model.tets.view(), x, p, keep, bound});
     InversionBound out;
     out.alpha =
         std::fmin(1.0, exec.min("objective/inversion_min", num_tets, [=] NOLI_HD(int t) {

@@ -72,6 +72,29 @@ TEST(InversionBound, IsTheFirstRootOnRandomAndDegenerateMotions) {
     EXPECT_LT(limited, 80000);
 }
 
+TEST(InversionBound, IsOneWhereVolumeIsSurelyKept) {
+    Random random(43);
+    int sure = 0;
+    int one = 0;
+    for (int trial = 0; trial < 300000; ++trial) {
+        const Stencil<4> x = positive_tet(random);
+        Stencil<4> p = motion(random, x);
+        // As near to the edge of what is allowed as the bound can lead.
+        if (random.chance(0.5)) {
+            const double t =
+                inversion_bound(x, p, 0.2) * (1.0 - random.log_uniform(-16, -2));
+            for (Vec3d& v : p.x)
+                v = t * v;
+        }
+        const bool exact = inversion_bound(x, p, 0.2) == 1.0;
+        const bool quick = surely_keeps_volume(x.x, p.x, 0.2);
+        ASSERT_TRUE(exact || !quick) << trial;
+        sure += quick;
+        one += exact;
+    }
+    EXPECT_GT(sure, one * 9 / 10);
+}
+
 TEST(InversionBound, DoubleRootIsNotStoodOver) {
     // f(t) / f(0) = (1 - 2 t)^2: two columns shrink to nothing at t = 1/2 and grow again.
     const Stencil<4> x = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
