@@ -98,10 +98,9 @@ double largest_coordinate(Exec& exec, View<const int> vertices, View<const Vec3d
 template <class Exec>
 double mean_edge_length(Exec& exec, View<const double> length_sq) {
     if (length_sq.size == 0) return 0.0;
-    const double sum =
-        exec.sum("contact/edge_lengths", length_sq.size, [=] NOLI_HD(int e) {
-            return std::sqrt(length_sq[e]);
-        });
+    const double sum = exec.sum("contact/edge_lengths",
+                                length_sq.size,
+                                [=] NOLI_HD(int e) { return std::sqrt(length_sq[e]); });
     return sum / length_sq.size;
 }
 
@@ -150,7 +149,7 @@ class PoolPolicy {
             --pause_;
             return 0.0;
         }
-        return std::fmin(most, std::fmax(0.25 * most, 4.0 * travel));
+        return std::fmin(most, std::fmax(0.1 * most, 2.0 * travel));
     }
     /// Large pools take longer than they save: the next ones get smaller.
     void built(int num_pairs, int num_edges) {

@@ -158,8 +158,7 @@ void write_kept(Exec& exec,
                 View<Int2> out) {
     exec.for_each("contact/write_kept", offsets.size - 1, [=] NOLI_HD(int c) {
         const int begin = c * kPoolChunk;
-        const int end =
-            begin + kPoolChunk < pairs.size ? begin + kPoolChunk : pairs.size;
+        const int end = begin + kPoolChunk < pairs.size ? begin + kPoolChunk : pairs.size;
         int at = offsets[c];
         for (int i = begin; i < end; ++i)
             if (keep[i]) out[at++] = pairs[i];

@@ -50,9 +50,7 @@ NOLI_HD inline double travel_of(const Motion& motion,
 /// By how much the distance of two primitives shrinks at most along the motion, m: the
 /// sum of what both travel, or of what they travel besides their mean motion.
 template <class IdsA, class IdsB>
-NOLI_HD inline double travel_of_pair(const Motion& motion,
-                                     const IdsA& a,
-                                     const IdsB& b) {
+NOLI_HD inline double travel_of_pair(const Motion& motion, const IdsA& a, const IdsB& b) {
     if (motion.p.size == 0) return 0.0;
     Vec3d mean{0.0, 0.0, 0.0};
     for (int k = 0; k < kNumCorners<IdsA>; ++k)

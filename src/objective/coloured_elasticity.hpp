@@ -50,7 +50,7 @@ struct TetBlockKernel {
                 differentiate<W>(tets, j, group);
             add_elements<W>(
                 group, slot, std::min(kElementGroup, block.num_tets - first), sums);
-            slot += kElementGroup * kBlocksPerElement;
+            slot += std::ptrdiff_t{kElementGroup} * kBlocksPerElement;
         }
         move_sums<W>(sums, block.kind_begin, block.target, out);
     }

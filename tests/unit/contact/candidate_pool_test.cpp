@@ -46,9 +46,9 @@ std::vector<CandidateLists> follow(
     return all;
 }
 
-const std::vector<double> kSteps = {0.0,  0.03,  1e-3, 5e-4, 1e-4, 1e-5, 0.0,  0.02, 2e-3,
-                                    4e-3, 1e-3,  1e-3, 1e-3, 1e-3, 0.0,  0.0,  1e-3, 1e-4,
-                                    0.05, 0.001, 1e-5, 1e-6, 0.0,  0.01, 0.01, 0.01, 1e-3};
+const std::vector<double> kSteps = {
+    0.0, 0.03, 1e-3, 5e-4, 1e-4, 1e-5,  0.0,  0.02, 2e-3, 4e-3, 1e-3, 1e-3, 1e-3, 1e-3,
+    0.0, 0.0,  1e-3, 1e-4, 0.05, 0.001, 1e-5, 1e-6, 0.0,  0.01, 0.01, 0.01, 1e-3};
 
 TEST(CandidatePool, QueriesFindWhatAFreshSearchFinds) {
     SerialExec exec;
