@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Growable host array whose items are left uninitialised: what a CPU executor calls a
-/// buffer.
+/// buffer; and an array on its way to the host, which there has arrived at once.
 
 #include "core/view.hpp"
 
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 namespace noli {
 
@@ -33,6 +34,16 @@ class HostBuffer {
     std::unique_ptr<T[]> data_;
     int size_ = 0;
     int capacity_ = 0;
+};
+
+template <class T>
+class HostArrival {
+  public:
+    void start(View<const T> from) { items_.assign(from.begin(), from.end()); }
+    void take(std::vector<T>& to) { to.swap(items_); }
+
+  private:
+    std::vector<T> items_;
 };
 
 }  // namespace noli

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -142,6 +143,26 @@ class HostExec {
         return reduce(n, 0.0, f, [](double a, double b) { return a + b; });
     }
 
+    /// g(f(0) + ... + f(n-1)), the bits of `sum`. g is part of the loop: it runs once,
+    /// and on a device the sum does not come to the host.
+    template <class F, class G>
+    void sum_then(const char* name, int n, F f, G g) {
+        g(sum(name, n, f));
+    }
+
+    /// Loops that run again and again without a word from the host between them.
+    using Recording = std::function<void()>;
+
+    /// Keeps the loops that `f` starts. Their functions and sizes stay as they are now, f
+    /// itself may be called any number of times. No loop may be longer than `longest`,
+    /// none may return a number, and f allocates nothing.
+    template <class F>
+    void record(Recording& to, int /*longest*/, F f) {
+        to = f;
+    }
+    /// Runs the loops of a recording once.
+    void replay(Recording& from) { from(); }
+
     /// Smallest f(i); +infinity when n is 0. A NaN anywhere gives NaN.
     template <class F>
     double min(const char* /*name*/, int n, F f) {
@@ -202,6 +223,13 @@ class HostExec {
     template <class T>
     void download(View<const T> from, std::vector<T>& to) {
         to.assign(from.begin(), from.end());
+    }
+    /// A download that a device does while its host goes on; `take` waits for it.
+    template <class T>
+    using Arrival = HostArrival<T>;
+    template <class T>
+    void start_download(View<const T> from, HostArrival<T>& to) {
+        to.start(from);
     }
     /// to[i] = from[i]; sizes must agree.
     template <class T>

@@ -2,152 +2,101 @@
 #pragma once
 /// The CUDA executor: the same interface as exec/cpu.hpp on one GPU. All kernels of
 /// the simulator are launched here (linear/warp_product.cuh launches its own, for
-/// comparison). Reductions use a fixed partition, so results repeat bitwise on one
-/// kind of device.
+/// comparison). Reductions use a fixed partition, and no loop adds numbers atomically, so
+/// results repeat bitwise on one kind of device.
 
 #include "core/view.hpp"
-#include "exec/lanes.hpp"
+#include "exec/cuda_kernels.cuh"
+#include "exec/cuda_memory.cuh"
 
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
-#include <cuda_runtime_api.h>
 
 #include <cstddef>
+#include <cstring>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
 namespace noli {
 
-/// Throws std::runtime_error naming the kernel or call that failed.
-inline void check_cuda(cudaError_t status, const char* what) {
-    if (status == cudaSuccess) return;
-    cudaGetLastError();  // forget it, or the next launch would report it again
-    throw std::runtime_error(std::string(what) + ": " + cudaGetErrorString(status));
-}
-
-/// Growable device array; contents are lost when it grows.
-template <class T>
-class CudaBuffer {
-  public:
-    CudaBuffer() = default;
-    ~CudaBuffer() { cudaFree(data_); }
-    CudaBuffer(const CudaBuffer&) = delete;
-    CudaBuffer& operator=(const CudaBuffer&) = delete;
-    CudaBuffer(CudaBuffer&& other) noexcept
-        : data_(std::exchange(other.data_, nullptr)),
-          size_(std::exchange(other.size_, 0)),
-          capacity_(std::exchange(other.capacity_, 0)) {}
-    CudaBuffer& operator=(CudaBuffer&& other) noexcept {
-        std::swap(data_, other.data_);
-        std::swap(size_, other.size_);
-        std::swap(capacity_, other.capacity_);
-        return *this;
-    }
-
-    void resize(int n) {
-        if (n > capacity_) {
-            check_cuda(cudaFree(data_), "free device memory");
-            data_ = nullptr;
-            const int capacity = n + n / 4 + 64;
-            check_cuda(cudaMalloc(reinterpret_cast<void**>(&data_),
-                                  sizeof(T) * static_cast<std::size_t>(capacity)),
-                       "allocate device memory");
-            capacity_ = capacity;
-        }
-        size_ = n;
-    }
-    [[nodiscard]] int size() const { return size_; }
-    [[nodiscard]] std::size_t bytes() const {
-        return sizeof(T) * static_cast<std::size_t>(capacity_);
-    }
-    View<T> view() { return {data_, size_}; }
-    [[nodiscard]] View<const T> view() const { return {data_, size_}; }
-
-  private:
-    T* data_ = nullptr;
-    int size_ = 0;
-    int capacity_ = 0;
-};
-
 namespace detail {
 
-inline constexpr int kReduceThreads = 256;
-inline constexpr int kReduceChunk =
-    1024;  ///< items per block: fixed, so sums do not depend on the device
+/// Results of blocks between the levels of a reduction.
+struct ReduceScratch {
+    CudaBuffer<double> one, other;
 
-template <class F>
-__global__ void run_kernel(int n, F f) {
-    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-    if (i < n) f(i);
-}
-
-template <class F>
-__global__ void run_lane_kernel(int n, F f) {
-    const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-    if (i < n) f(Lane<double>{i});
-}
-
-struct Add {
-    __device__ double operator()(double a, double b) const { return a + b; }
-};
-struct Smaller {
-    __device__ double operator()(double a, double b) const {
-        return (b < a || b != b) ? b : a;
+    /// For reductions of up to n items.
+    void reserve(int n) {
+        one.resize(reduce_blocks(n));
+        other.resize(reduce_blocks(reduce_blocks(n)));
     }
-};
-
-/// partial[block] = combination of the block's items, in a fixed tree order.
-template <class Combine, class F>
-__global__ void reduce_kernel(
-    int n, double start, Combine combine, F f, double* partial) {
-    __shared__ double shared[kReduceThreads];
-    const int begin = static_cast<int>(blockIdx.x) * kReduceChunk;
-    const int end = min(n, begin + kReduceChunk);
-    double acc = start;
-    for (int i = begin + static_cast<int>(threadIdx.x); i < end; i += kReduceThreads)
-        acc = combine(acc, f(i));
-    shared[threadIdx.x] = acc;
-    __syncthreads();
-    for (int half = kReduceThreads / 2; half > 0; half /= 2) {
-        if (static_cast<int>(threadIdx.x) < half)
-            shared[threadIdx.x] =
-                combine(shared[threadIdx.x], shared[threadIdx.x + half]);
-        __syncthreads();
-    }
-    if (threadIdx.x == 0) partial[blockIdx.x] = shared[0];
-}
-
-struct ReadItem {
-    const double* items;
-    __device__ double operator()(int i) const { return items[i]; }
 };
 
 }  // namespace detail
+
+/// Loops as a CUDA graph: one launch runs them all.
+class CudaRecording {
+  public:
+    CudaRecording() = default;
+    ~CudaRecording() { clear(); }
+    CudaRecording(const CudaRecording&) = delete;
+    CudaRecording& operator=(const CudaRecording&) = delete;
+
+  private:
+    friend class CudaExec;
+    void clear() {
+        if (graph_ != nullptr) cudaGraphExecDestroy(graph_);
+        graph_ = nullptr;
+    }
+
+    cudaGraphExec_t graph_ = nullptr;
+    int launches_ = 0;
+    detail::ReduceScratch scratch_;  // the graph holds its addresses
+};
+
+/// What a CudaExec has done so far, for the benchmark.
+struct CudaCounts {
+    long launches = 0;   ///< of kernels
+    long waits = 0;      ///< of the host for the device
+    long bus_bytes = 0;  ///< between host and device
+};
 
 /// Runs kernels on one CUDA stream.
 class CudaExec {
   public:
     template <class T>
     using Buffer = CudaBuffer<T>;
+    template <class T>
+    using Arrival = CudaArrival<T>;
+    using Recording = CudaRecording;
     static constexpr bool kIsDevice = true;
+
+    CudaExec() {
+        check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking),
+                   "create stream");
+    }
+    ~CudaExec() {
+        cudaStreamSynchronize(stream_);
+        cudaStreamDestroy(stream_);
+    }
+    CudaExec(const CudaExec&) = delete;
+    CudaExec& operator=(const CudaExec&) = delete;
 
     template <class F>
     void for_each(const char* name, int n, F f, int /*grain*/ = 0) {
         if (n == 0) return;
-        constexpr int kBlock = 256;
-        detail::run_kernel<<<(n + kBlock - 1) / kBlock, kBlock, 0, stream_>>>(n, f);
-        check_cuda(cudaGetLastError(), name);
+        constexpr int kBlock = detail::kLoopThreads;
+        detail::run_kernel<<<(n - 1) / kBlock + 1, kBlock, 0, stream_>>>(n, f);
+        launched(name);
     }
 
     template <class F>
     void for_lanes(const char* name, int n, F f) {
         if (n == 0) return;
-        constexpr int kBlock = 128;
-        detail::run_lane_kernel<<<(n + kBlock - 1) / kBlock, kBlock, 0, stream_>>>(n, f);
-        check_cuda(cudaGetLastError(), name);
+        constexpr int kBlock = detail::kLaneThreads;
+        detail::run_lane_kernel<<<(n - 1) / kBlock + 1, kBlock, 0, stream_>>>(n, f);
+        launched(name);
     }
 
     template <class F>
@@ -161,19 +110,68 @@ class CudaExec {
             name, n, std::numeric_limits<double>::infinity(), detail::Smaller{}, f);
     }
 
+    template <class F, class G>
+    void sum_then(const char* name, int n, F f, G g) {
+        const detail::CallWith<G> finish{g};
+        if (detail::reduce_blocks(n) == 1) {
+            launch_reduce(name, n, 0.0, detail::Add{}, f, finish);
+            return;
+        }
+        const int count = reduce_to_one_chunk(name, n, 0.0, detail::Add{}, f);
+        launch_reduce(name,
+                      count,
+                      0.0,
+                      detail::Add{},
+                      detail::ReadItem{scratch_->one.view().data},
+                      finish);
+    }
+
+    /// Loops of f as a CUDA graph. f has run before, so that all its kernels are loaded
+    /// and all its buffers have their size.
+    template <class F>
+    void record(CudaRecording& to, int longest, F f) {
+        to.clear();
+        to.scratch_.reserve(longest);
+        const long before = counts_.launches;
+        cudaGraph_t graph = nullptr;
+        check_cuda(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeRelaxed),
+                   "begin to record");
+        scratch_ = &to.scratch_;
+        try {
+            f();
+        } catch (...) {
+            scratch_ = &own_scratch_;
+            cudaStreamEndCapture(stream_, &graph);
+            if (graph != nullptr) cudaGraphDestroy(graph);
+            throw;
+        }
+        scratch_ = &own_scratch_;
+        check_cuda(cudaStreamEndCapture(stream_, &graph), "end to record");
+        const cudaError_t made = cudaGraphInstantiate(&to.graph_, graph, 0);
+        cudaGraphDestroy(graph);
+        check_cuda(made, "make a graph of what was recorded");
+        to.launches_ = static_cast<int>(counts_.launches - before);
+        counts_.launches = before;
+    }
+    void replay(CudaRecording& from) {
+        check_cuda(cudaGraphLaunch(from.graph_, stream_), "replay");
+        counts_.launches += from.launches_;
+    }
+
     int scan(const char* name, View<const int> counts, View<int> offsets) {
         const int n = counts.size;
         int total = 0;
         if (n > 0) {
             std::size_t bytes = 0;
-            check_cuda(cub::DeviceScan::InclusiveSum(
-                           nullptr, bytes, counts.data, offsets.data + 1, n, stream_),
-                       name);
+            const auto scan_with = [&](void* temp) {
+                check_cuda(cub::DeviceScan::InclusiveSum(
+                               temp, bytes, counts.data, offsets.data + 1, n, stream_),
+                           name);
+            };
+            scan_with(nullptr);
             temp_.resize(static_cast<int>(bytes));
-            check_cuda(
-                cub::DeviceScan::InclusiveSum(
-                    temp_.view().data, bytes, counts.data, offsets.data + 1, n, stream_),
-                name);
+            scan_with(temp_.view().data);
+            launched(name);
             total = read(View<const int>{offsets.data, n + 1}, n);
         }
         check_cuda(cudaMemsetAsync(offsets.data, 0, sizeof(int), stream_), name);
@@ -184,55 +182,50 @@ class CudaExec {
     void sort_by_key(const char* name, View<Key> keys, View<int> values) {
         const int n = keys.size;
         if (n < 2) return;
-        CudaBuffer<Key> sorted_keys;
-        CudaBuffer<int> sorted_values;
-        sorted_keys.resize(n);
-        sorted_values.resize(n);
+        sorted_keys_.resize(n * static_cast<int>(sizeof(Key)));
+        sorted_values_.resize(n);
+        const View<Key> sorted_keys{reinterpret_cast<Key*>(sorted_keys_.view().data), n};
+        const View<int> sorted_values = sorted_values_.view();
         std::size_t bytes = 0;
-        const auto sort = [&](void* temp) {
+        const auto sort_with = [&](void* temp) {
             check_cuda(cub::DeviceRadixSort::SortPairs(temp,
                                                        bytes,
                                                        keys.data,
-                                                       sorted_keys.view().data,
+                                                       sorted_keys.data,
                                                        values.data,
-                                                       sorted_values.view().data,
+                                                       sorted_values.data,
                                                        n,
                                                        0,
                                                        static_cast<int>(8 * sizeof(Key)),
                                                        stream_),
                        name);
         };
-        sort(nullptr);
+        sort_with(nullptr);
         temp_.resize(static_cast<int>(bytes));
-        sort(temp_.view().data);
-        copy(View<const Key>(sorted_keys.view()), keys);
-        copy(View<const int>(sorted_values.view()), values);
-        synchronize(name);
+        sort_with(temp_.view().data);
+        launched(name);
+        copy(View<const Key>(sorted_keys), keys);
+        copy(View<const int>(sorted_values), values);
     }
 
     template <class T>
     void upload(const std::vector<T>& from, CudaBuffer<T>& to) {
         to.resize(static_cast<int>(from.size()));
         if (from.empty()) return;
-        check_cuda(cudaMemcpyAsync(to.view().data,
-                                   from.data(),
-                                   sizeof(T) * from.size(),
-                                   cudaMemcpyHostToDevice,
-                                   stream_),
-                   "upload");
-        synchronize("upload");
+        move_bytes(
+            to.view().data, from.data(), sizeof(T) * from.size(), cudaMemcpyHostToDevice);
     }
     template <class T>
     void download(View<const T> from, std::vector<T>& to) {
         to.resize(static_cast<std::size_t>(from.size));
         if (to.empty()) return;
-        check_cuda(cudaMemcpyAsync(to.data(),
-                                   from.data,
-                                   sizeof(T) * to.size(),
-                                   cudaMemcpyDeviceToHost,
-                                   stream_),
-                   "download");
-        synchronize("download");
+        move_bytes(to.data(), from.data, sizeof(T) * to.size(), cudaMemcpyDeviceToHost);
+    }
+    /// A download that does not wait: see CudaArrival::take.
+    template <class T>
+    void start_download(View<const T> from, CudaArrival<T>& to) {
+        to.start(from, stream_);
+        counts_.bus_bytes += static_cast<long>(sizeof(T)) * static_cast<long>(from.size);
     }
     template <class T>
     void copy(View<const T> from, View<T> to) {
@@ -247,45 +240,87 @@ class CudaExec {
     template <class T>
     T read(View<const T> from, int i) {
         T host;
-        check_cuda(cudaMemcpyAsync(
-                       &host, from.data + i, sizeof(T), cudaMemcpyDeviceToHost, stream_),
-                   "read");
-        synchronize("read");
+        void* pinned = pinned_.resize(sizeof(T) > 256 ? sizeof(T) : 256);
+        move_bytes(pinned, from.data + i, sizeof(T), cudaMemcpyDeviceToHost);
+        std::memcpy(static_cast<void*>(&host), pinned, sizeof(T));
         return host;
     }
 
+    /// Waits for all that was started.
+    void wait() { synchronize("wait"); }
+    [[nodiscard]] const CudaCounts& counts() const { return counts_; }
+
   private:
+    void launched(const char* name) {
+        check_cuda(cudaGetLastError(), name);
+        ++counts_.launches;
+    }
+
+    template <class Combine, class F, class Finish>
+    void launch_reduce(
+        const char* name, int n, double start, Combine combine, F f, Finish finish) {
+        detail::reduce_kernel<<<detail::reduce_blocks(n),
+                                detail::kReduceThreads,
+                                0,
+                                stream_>>>(n, start, combine, f, finish);
+        launched(name);
+    }
+
+    /// Leaves at most kReduceChunk results in scratch_->one; returns how many.
+    template <class Combine, class F>
+    int reduce_to_one_chunk(const char* name, int n, double start, Combine combine, F f) {
+        if (scratch_ == &own_scratch_) scratch_->reserve(n);
+        int count = detail::reduce_blocks(n);
+        launch_reduce(
+            name, n, start, combine, f, detail::StoreItem{scratch_->one.view().data});
+        while (count > detail::kReduceChunk) {
+            launch_reduce(name,
+                          count,
+                          start,
+                          combine,
+                          detail::ReadItem{scratch_->one.view().data},
+                          detail::StoreItem{scratch_->other.view().data});
+            count = detail::reduce_blocks(count);
+            copy(View<const double>{scratch_->other.view().data, count},
+                 View<double>{scratch_->one.view().data, count});
+        }
+        return count;
+    }
+
     template <class Combine, class F>
     double reduce(const char* name, int n, double start, Combine combine, F f) {
         if (n == 0) return start;
-        int blocks = (n + detail::kReduceChunk - 1) / detail::kReduceChunk;
-        partial_.resize(blocks);
-        detail::reduce_kernel<<<blocks, detail::kReduceThreads, 0, stream_>>>(
-            n, start, combine, f, partial_.view().data);
-        check_cuda(cudaGetLastError(), name);
-        while (blocks > 1) {
-            const int count = blocks;
-            blocks = (count + detail::kReduceChunk - 1) / detail::kReduceChunk;
-            other_partial_.resize(blocks);
-            detail::reduce_kernel<<<blocks, detail::kReduceThreads, 0, stream_>>>(
-                count,
-                start,
-                combine,
-                detail::ReadItem{partial_.view().data},
-                other_partial_.view().data);
-            check_cuda(cudaGetLastError(), name);
-            std::swap(partial_, other_partial_);
-        }
-        return read(View<const double>{partial_.view().data, 1}, 0);
+        const int count = reduce_to_one_chunk(name, n, start, combine, f);
+        if (count > 1)
+            launch_reduce(name,
+                          count,
+                          start,
+                          combine,
+                          detail::ReadItem{scratch_->one.view().data},
+                          detail::StoreItem{scratch_->other.view().data});
+        CudaBuffer<double>& last = count > 1 ? scratch_->other : scratch_->one;
+        return read(View<const double>{last.view().data, 1}, 0);
+    }
+
+    void move_bytes(void* to, const void* from, std::size_t bytes, cudaMemcpyKind how) {
+        const char* name = how == cudaMemcpyHostToDevice ? "upload" : "download";
+        check_cuda(cudaMemcpyAsync(to, from, bytes, how, stream_), name);
+        counts_.bus_bytes += static_cast<long>(bytes);
+        synchronize(name);
     }
 
     void synchronize(const char* name) {
         check_cuda(cudaStreamSynchronize(stream_), name);
+        ++counts_.waits;
     }
 
     cudaStream_t stream_ = nullptr;
-    CudaBuffer<double> partial_, other_partial_;
-    CudaBuffer<char> temp_;
+    detail::ReduceScratch own_scratch_;
+    detail::ReduceScratch* scratch_ = &own_scratch_;
+    CudaBuffer<char> temp_, sorted_keys_;
+    CudaBuffer<int> sorted_values_;
+    CudaPinned pinned_;
+    CudaCounts counts_;
 };
 
 }  // namespace noli
