@@ -83,12 +83,14 @@ void store_end(Exec& exec, int end, View<int> begin) {
 /// forces[4 t + slot] = sum over the modes of term t of q_slot (q . x)
 template <class Exec>
 void mode_forces(Exec& exec,
+                 const bool* skip,
                  View<const Int4> vertices,
                  View<const int> first_mode,
                  View<const Mode> modes,
                  View<const Vec3d> x,
                  View<Vec3d> forces) {
     exec.for_each("linear/mode_forces", vertices.size, [=] NOLI_HD(int t) {
+        if (skip != nullptr && *skip) return;
         Vec3d at[kSlotsPerTerm];
         Vec3d force[kSlotsPerTerm];
         for (int s = 0; s < kSlotsPerTerm; ++s) {
@@ -112,12 +114,14 @@ void mode_forces(Exec& exec,
 /// y[v] += sum of the slots of each touched vertex v
 template <class Exec>
 void gather_slots(Exec& exec,
+                  const bool* skip,
                   View<const int> touched,
                   View<const int> begin,
                   View<const int> slots,
                   View<const Vec3d> per_slot,
                   View<Vec3d> y) {
     exec.for_each("linear/gather_slots", touched.size, [=] NOLI_HD(int i) {
+        if (skip != nullptr && *skip) return;
         Vec3d sum = {0, 0, 0};
         for (int e = begin[i]; e < begin[i + 1]; ++e)
             sum += per_slot[slots[e]];
@@ -209,17 +213,25 @@ class LowRankTerms {
         detail::store_end(exec, num_used, begin_.view());
     }
 
-    /// y += sum_m q_m (q_m . x)
-    void multiply_add(Exec& exec, View<const Vec3d> x, View<Vec3d> y) {
+    /// y += sum_m q_m (q_m . x). Nothing where `skip`, in the executor's memory, is set.
+    void multiply_add(Exec& exec,
+                      View<const Vec3d> x,
+                      View<Vec3d> y,
+                      const bool* skip = nullptr) {
         if (num_terms() == 0) return;
-        detail::mode_forces(exec, terms(), mode_begin(), mode_view(), x, forces_.view());
-        gather_add(exec, View<const Vec3d>(forces_.view()), y);
+        detail::mode_forces(
+            exec, skip, terms(), mode_begin(), mode_view(), x, forces_.view());
+        gather_add(exec, View<const Vec3d>(forces_.view()), y, skip);
     }
 
     /// y[v] += sum over the slots (term, slot) of vertex v of per_term_slot[4 term +
     /// slot]
-    void gather_add(Exec& exec, View<const Vec3d> per_term_slot, View<Vec3d> y) const {
-        detail::gather_slots(exec, touched(), touched_begin(), slots(), per_term_slot, y);
+    void gather_add(Exec& exec,
+                    View<const Vec3d> per_term_slot,
+                    View<Vec3d> y,
+                    const bool* skip = nullptr) const {
+        detail::gather_slots(
+            exec, skip, touched(), touched_begin(), slots(), per_term_slot, y);
     }
 
     /// blocks[v] += the diagonal block of the terms at vertex v

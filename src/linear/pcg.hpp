@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Preconditioned conjugate gradients on BlockMatrix + LowRankTerms.
+/// Preconditioned conjugate gradients on BlockMatrix + LowRankTerms. This text runs on
+/// the CPU; a device takes that of device_pcg.hpp, which does not ask the host for
+/// scalars.
 ///
 /// Fixed unknowns are eliminated without touching the matrix: the preconditioner returns
 /// 0 there, so the search directions and x stay 0, and whatever the product writes there
@@ -11,6 +13,7 @@
 /// per index, and the kernel may write.
 
 #include "linear/block_jacobi.hpp"
+#include "linear/device_pcg.hpp"
 #include "linear/gauss_seidel_cg.hpp"
 #include "linear/incomplete_cholesky.hpp"
 #include "linear/pcg_options.hpp"
@@ -111,6 +114,8 @@ class Pcg {
         if constexpr (!Exec::kIsDevice) {
             if (options.preconditioner == PreconditionerKind::GaussSeidel)
                 return gauss_seidel_.solve(exec, matrix, terms, b, fixed, options, x);
+        } else {
+            return device_.solve(exec, matrix, terms, b, fixed, options, x);
         }
         resize(matrix.num_rows());
         PcgResult result;
@@ -143,11 +148,19 @@ class Pcg {
     }
 
     /// See ColouredOperator::set_order.
-    void set_order(std::span<const int> order) { gauss_seidel_.set_order(order); }
+    void set_order(std::span<const int> order) {
+        if constexpr (Exec::kIsDevice)
+            device_.set_order(order);
+        else
+            gauss_seidel_.set_order(order);
+    }
 
-    /// See GaussSeidelCg::set_aggregates.
+    /// See GaussSeidelCg::set_aggregates and DevicePcg::set_aggregates.
     void set_aggregates(RigidAggregates aggregates) {
-        gauss_seidel_.set_aggregates(std::move(aggregates));
+        if constexpr (Exec::kIsDevice)
+            device_.set_aggregates(aggregates);
+        else
+            gauss_seidel_.set_aggregates(std::move(aggregates));
     }
 
     /// State that the incomplete factorisation carries from solve to solve.
@@ -223,6 +236,7 @@ class Pcg {
     BlockJacobi<Exec> jacobi_;
     IncompleteCholesky incomplete_;
     GaussSeidelCg gauss_seidel_;
+    DevicePcg<Exec> device_;
     bool use_incomplete_ = false;
     typename Exec::template Buffer<Vec3d> r_, z_, p_, q_;
 };

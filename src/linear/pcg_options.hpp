@@ -13,9 +13,10 @@ enum class PreconditionerKind {
     BlockJacobi,
     GaussSeidel,         ///< symmetric block Gauss-Seidel; CPU only
     IncompleteCholesky,  ///< block IC(0); CPU only
+    Schwarz,             ///< dense blocks of 32 vertices; DevicePcg only
 };
 
-/// A preconditioner that runs on the CPU only becomes block Jacobi on a device.
+/// A preconditioner that the solver at hand does not have becomes block Jacobi.
 struct PcgOptions {
     enum class Test {
         Residual,  ///< r.P⁻¹r against its first value
@@ -48,21 +49,22 @@ struct PcgOptions {
 /// Source: [Hestenes1952]; [StrakosTichy2002] eq. (9)
 class PcgStop {
   public:
+    PcgStop() = default;
     explicit PcgStop(const PcgOptions& options)
         : test_(options.test), tolerance_(options.tolerance) {}
 
     /// `decrease` = alpha r.z of an iteration.
-    void add(double decrease) {
+    NOLI_HD void add(double decrease) {
         total_ += decrease;
         last_[next_] = decrease;
         next_ = (next_ + 1) % kDelay;
         ++count_;
     }
 
-    void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+    NOLI_HD void set_tolerance(double tolerance) { tolerance_ = tolerance; }
 
     /// `residual_ratio` = r.z over its first value. True also where both are 0.
-    [[nodiscard]] bool reached(double residual_ratio) const {
+    [[nodiscard]] NOLI_HD bool reached(double residual_ratio) const {
         if (test_ == PcgOptions::Test::Residual || residual_ratio == 0.0)
             return residual_ratio <= tolerance_;
         double recent = 0.0;
@@ -73,8 +75,8 @@ class PcgStop {
 
   private:
     static constexpr int kDelay = 4;  ///< iterations that an error is estimated over
-    PcgOptions::Test test_;
-    double tolerance_;
+    PcgOptions::Test test_ = PcgOptions::Test::Residual;
+    double tolerance_ = 0.0;
     double total_ = 0.0;
     double last_[kDelay] = {};
     int next_ = 0;
