@@ -107,6 +107,46 @@ double pair_energy_sum(Exec& exec,
     });
 }
 
+namespace detail {
+
+/// The model is a constant of the loop: each leaves out what only another one needs,
+/// which on a GPU is a matter of registers.
+template <ContactHessian Model, int S, class Exec>
+void fill_closed_form_terms(Exec& exec,
+                            PairKind kind,
+                            View<const typename PairIndex<S>::Type> pairs,
+                            View<const Vec3d> x,
+                            BarrierParams barrier,
+                            TermRange out) {
+    exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
+        const Stencil<S> at = load_stencil<S>(x, pairs[i]);
+        store_term(out,
+                   i,
+                   pairs[i].v,
+                   pair_gradient(kind, at, barrier),
+                   pair_hessian(Model, kind, at, barrier));
+    });
+}
+
+template <int S, class Exec>
+void fill_numeric_terms(Exec& exec,
+                        PairKind kind,
+                        View<const typename PairIndex<S>::Type> pairs,
+                        View<const Vec3d> x,
+                        BarrierParams barrier,
+                        TermRange out) {
+    exec.for_each("objective/numeric_pair_terms", pairs.size, [=] NOLI_HD(int i) {
+        const Stencil<S> at = load_stencil<S>(x, pairs[i]);
+        store_term(out,
+                   i,
+                   pairs[i].v,
+                   pair_gradient(kind, at, barrier),
+                   numeric_pair_hessian(kind, at, barrier));
+    });
+}
+
+}  // namespace detail
+
 /// Gradients and modes of one type of unmollified pairs.
 template <int S, class Exec>
 void fill_pair_terms(Exec& exec,
@@ -115,25 +155,21 @@ void fill_pair_terms(Exec& exec,
                      View<const Vec3d> x,
                      ContactLaw law,
                      TermRange out) {
-    if (law.hessian == ContactHessian::Numeric) {
-        exec.for_each("objective/numeric_pair_terms", pairs.size, [=] NOLI_HD(int i) {
-            const Stencil<S> at = detail::load_stencil<S>(x, pairs[i]);
-            detail::store_term(out,
-                               i,
-                               pairs[i].v,
-                               pair_gradient(kind, at, law.barrier),
-                               numeric_pair_hessian(kind, at, law.barrier));
-        });
-        return;
+    using Kind = ContactHessian;
+    const BarrierParams barrier = law.barrier;
+    switch (law.hessian) {
+        case Kind::GaussNewton:
+            return detail::fill_closed_form_terms<Kind::GaussNewton, S>(
+                exec, kind, pairs, x, barrier, out);
+        case Kind::GaussNewtonPlus:
+            return detail::fill_closed_form_terms<Kind::GaussNewtonPlus, S>(
+                exec, kind, pairs, x, barrier, out);
+        case Kind::Exact:
+            return detail::fill_closed_form_terms<Kind::Exact, S>(
+                exec, kind, pairs, x, barrier, out);
+        case Kind::Numeric:
+            return detail::fill_numeric_terms<S>(exec, kind, pairs, x, barrier, out);
     }
-    exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
-        const Stencil<S> at = detail::load_stencil<S>(x, pairs[i]);
-        detail::store_term(out,
-                           i,
-                           pairs[i].v,
-                           pair_gradient(kind, at, law.barrier),
-                           pair_hessian(law.hessian, kind, at, law.barrier));
-    });
 }
 
 template <class Exec>
