@@ -67,7 +67,8 @@ class DirectionSolver {
         const int num_vertices = model.num_vertices;
         const std::vector<int> order = morton_order(model.x0);
         pcg_.set_order(order);
-        const int size = aggregate_size(num_vertices);
+        const int size =
+            Exec::kIsDevice ? kDeviceAggregate : aggregate_size(num_vertices);
         pcg_.set_aggregates(cut_aggregates(model.tets, order, size));
         rhs_.resize(num_vertices);
         prescribed_.resize(num_vertices);

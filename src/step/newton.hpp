@@ -50,7 +50,8 @@ class Newton {
                 .hessian = hessian_of(settings.contact.hessian),
                 .mollified = hessian_of(settings.contact.mollifier)};
         range_ = stiffness_range(settings);
-        use_coarse_ = wants_coarse_space(model, settings.dt);
+        use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
+                   && settings.solver.linear != LinearSolver::BlockJacobi;
         for (std::size_t t = 0; t < model.tets.size(); ++t)
             stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }

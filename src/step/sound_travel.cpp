@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "step/sound_travel.hpp"
 
-#include "linear/rigid_aggregates.hpp"
+#include "linear/rigid_levels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -50,9 +50,10 @@ double sound_travel(const Model& model, double dt) {
     return largest;
 }
 
-bool wants_coarse_space(const Model& model, double dt) {
+bool wants_coarse_space(const Model& model, double dt, bool on_device) {
     return model.num_vertices >= kCoarseVertices
-        && sound_travel(model, dt) > kCoarseSoundTravel;
+        && sound_travel(model, dt)
+               > (on_device ? kDeviceCoarseSoundTravel : kCoarseSoundTravel);
 }
 
 std::string describe_linear_solver(const Model& model,
@@ -60,18 +61,19 @@ std::string describe_linear_solver(const Model& model,
                                    double dt,
                                    bool on_device) {
     if (asked == LinearSolver::Cholmod) return "CHOLMOD, as asked for";
-    if (on_device) return "conjugate gradients, block Jacobi";
     if (asked == LinearSolver::BlockJacobi)
         return "conjugate gradients, block Jacobi, as asked for";
     const std::string reach = fmt::format(
         "stiffness reaches {:.2g} elements far in a step", sound_travel(model, dt));
-    if (wants_coarse_space(model, dt))
+    const char* local = on_device ? "block Jacobi" : "Gauss-Seidel";
+    if (wants_coarse_space(model, dt, on_device))
         return fmt::format(
-            "conjugate gradients, Gauss-Seidel + rigid motions of about {} vertices each "
-            "({})",
-            aggregate_size(model.num_vertices),
+            "conjugate gradients, {} + rigid motions of about {} vertices each ({})",
+            local,
+            on_device ? kDeviceAggregate : aggregate_size(model.num_vertices),
             reach);
-    return fmt::format("conjugate gradients, Gauss-Seidel ({}{})",
+    return fmt::format("conjugate gradients, {} ({}{})",
+                       local,
                        model.num_vertices < kCoarseVertices ? "small scene; " : "",
                        reach);
 }

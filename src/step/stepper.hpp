@@ -3,6 +3,7 @@
 /// One time step after another: predict, lag, minimise, commit. Owns the state.
 
 #include "model/boundary.hpp"
+#include "step/boundary_upload.hpp"
 #include "step/integrator.hpp"
 #include "step/newton.hpp"
 
@@ -75,7 +76,7 @@ class Stepper {
         if (report.outcome == Outcome::Converged) {
             detail::advance(exec_,
                             choice(),
-                            fixed_.view(),
+                            on_device_.fixed(),
                             x_new_.view(),
                             motion_.x.view(),
                             motion_.v.view(),
@@ -86,7 +87,8 @@ class Stepper {
         } else {
             exec_.copy(View<const Vec3d>(x_new_.view()), motion_.x.view());
         }
-        exec_.download(View<const Vec3d>(motion_.x.view()), x_host_);
+        exec_.start_download(View<const Vec3d>(motion_.x.view()), x_arrival_);
+        x_is_on_its_way_ = true;
         return report;
     }
 
@@ -114,10 +116,16 @@ class Stepper {
         exec_.upload(state.v_prev, motion_.v_prev);
         script_.ended = state.ended;
         x_host_ = state.x;
+        x_is_on_its_way_ = false;
     }
 
     Newton<Exec>& newton() { return newton_; }
-    [[nodiscard]] const std::vector<Vec3d>& positions() const { return x_host_; }
+    /// At the end of the last step. Their copy to the host started there.
+    [[nodiscard]] const std::vector<Vec3d>& positions() const {
+        if (x_is_on_its_way_) x_arrival_.take(x_host_);
+        x_is_on_its_way_ = false;
+        return x_host_;
+    }
     std::vector<Vec3d> velocities() {
         std::vector<Vec3d> v;
         exec_.download(View<const Vec3d>(motion_.v.view()), v);
@@ -138,10 +146,9 @@ class Stepper {
     }
 
     void begin(StepReport& report) {
-        script_.evaluate(steps_ * settings_.dt, settings_.dt, steps_, x_host_, boundary_);
-        exec_.upload(boundary_.prescribed, fixed_);
-        upload_path();
-        exec_.upload(boundary_.acceleration, a_ext_);
+        script_.evaluate(
+            steps_ * settings_.dt, settings_.dt, steps_, positions(), boundary_);
+        on_device_.update(exec_, boundary_);
         if (settings_.solver.integrator == Integrator::Newmark && steps_ == 0)
             start_acceleration();
 
@@ -153,7 +160,7 @@ class Stepper {
                         motion_.a.view(),
                         motion_.x_prev.view(),
                         motion_.v_prev.view(),
-                        a_ext_.view(),
+                        on_device_.acceleration(),
                         x_tilde_.view());
         const StepScales scales{
             .h_sq = how.h_sq(),
@@ -162,15 +169,7 @@ class Stepper {
             .friction_eps = settings_.epsv * settings_.dt};
         exec_.copy(View<const Vec3d>(motion_.x.view()), x_new_.view());
         newton_.begin_step(
-            scales, fixed_.view(), motion_.x.view(), x_tilde_.view(), report);
-    }
-
-    void upload_path() {
-        std::vector<Vec3d> points;
-        points.reserve(boundary_.path.size() * boundary_.prescribed.size());
-        for (const std::vector<Vec3d>& leg : boundary_.path)
-            points.insert(points.end(), leg.begin(), leg.end());
-        exec_.upload(points, path_);
+            scales, on_device_.fixed(), motion_.x.view(), x_tilde_.view(), report);
     }
 
     /// Minimises with lagged friction, as often as asked for or until nothing changes any
@@ -180,7 +179,7 @@ class Stepper {
         const int asked = settings_.contact.friction_iterations;
         const int limit =
             settings_.has_friction ? (asked > 0 ? asked : kMaxFrictionUpdates) : 1;
-        BoundaryPath path(path_.view(), static_cast<int>(boundary_.path.size()));
+        BoundaryPath path(on_device_.path(), static_cast<int>(boundary_.path.size()));
         for (int lag = 0;; ++lag) {
             const int before = report.newton;
             const Outcome outcome =
@@ -195,9 +194,10 @@ class Stepper {
 
     /// How far prescribed vertices stayed behind; too far is a blocked boundary.
     void judge_yield(StepReport& report) {
-        const View<const std::uint8_t> fixed = fixed_.view();
+        const View<const std::uint8_t> fixed = on_device_.fixed();
         const View<const Vec3d> target =
-            BoundaryPath(path_.view(), static_cast<int>(boundary_.path.size())).end();
+            BoundaryPath(on_device_.path(), static_cast<int>(boundary_.path.size()))
+                .end();
         report.boundary_yield = detail::max_distance(exec_, fixed, x_new_.view(), target);
         const double motion =
             detail::max_distance(exec_, fixed, motion_.x.view(), target);
@@ -216,9 +216,9 @@ class Stepper {
         newton_.objective().elastic_gradient_at(exec_, motion_.x.view(), x_tilde_.view());
         detail::acceleration_from_forces(exec_,
                                          newton_.objective().device().mass.view(),
-                                         fixed_.view(),
+                                         on_device_.fixed(),
                                          x_tilde_.view(),
-                                         a_ext_.view(),
+                                         on_device_.acceleration(),
                                          motion_.a.view());
     }
 
@@ -229,9 +229,11 @@ class Stepper {
     StepBoundary boundary_;
     Newton<Exec> newton_;
     MotionState<Exec> motion_;
-    typename Exec::template Buffer<std::uint8_t> fixed_;
-    typename Exec::template Buffer<Vec3d> path_, a_ext_, x_new_, x_tilde_;
-    std::vector<Vec3d> x_host_;
+    BoundaryUpload<Exec> on_device_;
+    typename Exec::template Buffer<Vec3d> x_new_, x_tilde_;
+    mutable std::vector<Vec3d> x_host_;
+    mutable typename Exec::template Arrival<Vec3d> x_arrival_;
+    mutable bool x_is_on_its_way_ = false;
     int steps_ = 0;
 };
 
