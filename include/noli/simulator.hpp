@@ -39,6 +39,7 @@ enum class Outcome {
     NumericalTrouble,    ///< NaN or infinity
     BoundaryBlocked,     ///< a prescribed motion runs into something that cannot give way
     Intersecting,        ///< --verify found an intersection or an inversion (a bug)
+    DeviceFailed,        ///< the GPU ran out of memory or no longer answers
 };
 const char* to_string(Outcome outcome);
 

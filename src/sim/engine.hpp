@@ -46,7 +46,22 @@ struct EngineInput {
 
 std::unique_ptr<Engine> make_cpu_engine(const EngineInput& input);
 
-/// Only in builds with CUDA; fails without a usable GPU.
+/// A GPU that can be used.
+struct CudaDevice {
+    std::string name;
+    std::size_t stack_bytes = 0;  ///< that kernels set aside whatever the scene
+};
+
+/// Nothing of the CUDA engine has run on a GPU yet, so "--device auto" takes the CPU also
+/// where a usable GPU is. True once `make gpu-check` has passed on one
+/// (docs/decisions/008-device-solver.md).
+inline constexpr bool kAutoTakesGpu = false;
+
+/// Says in one sentence why there is none: built without CUDA, no driver, too old a
+/// driver, no device, too old a device.
+Result<CudaDevice> find_cuda_device();
+
+/// Fails without a usable GPU, and if its memory does not suffice.
 Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& input);
 
 }  // namespace noli

@@ -70,11 +70,13 @@ std::unique_ptr<Engine> make_cpu_engine(const EngineInput& input) {
 }
 
 #if !defined(NOLI_HAVE_CUDA)
-Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& /*input*/) {
+Result<CudaDevice> find_cuda_device() {
     return Error{Error::Code::NoDevice,
                  "--device cuda",
-                 "this program was built without CUDA; build the \"cuda\" preset, or use "
-                 "--device cpu"};
+                 "this program was built without CUDA (the \"cuda\" preset has it)"};
+}
+Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& /*input*/) {
+    return find_cuda_device().error();
 }
 #endif
 

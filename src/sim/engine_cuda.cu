@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exec/cuda.cuh"
-#include "sim/engine_on.hpp"
+#include "sim/estimate.hpp"
+#include "sim/guarded_engine.hpp"
 
 #include <exception>
 
@@ -8,65 +9,76 @@ namespace noli {
 
 namespace {
 
-class CudaEngine final : public Engine {
-  public:
-    CudaEngine(const EngineInput& input, std::string name)
-        : name_(std::move(name)), engine_(input) {}
+constexpr int kLeastComputeCapability = 8;
 
-    StepReport step() override {
-        try {
-            return engine_.step();
-        } catch (const std::exception& trouble) {
-            StepReport report;
-            report.outcome = Outcome::NumericalTrouble;
-            report.message = name_ + ": " + trouble.what();
-            return report;
-        }
-    }
-    StepState state() override { return engine_.state(); }
-    [[nodiscard]] int steps() const override { return engine_.steps(); }
-    [[nodiscard]] const std::vector<Vec3d>& positions() const override {
-        return engine_.positions();
-    }
-    std::vector<Vec3d> velocities() override { return engine_.velocities(); }
-    void set_state(const StepState& state) override { engine_.set_state(state); }
-    std::vector<Vec3d> contact_forces() override { return engine_.contact_forces(); }
-    double elastic_energy() override { return engine_.elastic_energy(); }
-    double barrier_energy() override { return engine_.barrier_energy(); }
-    [[nodiscard]] std::string device_name() const override { return name_; }
-
-  private:
-    std::string name_;
-    EngineOn<CudaExec> engine_;
-};
+/// Stack of the kernel that needs most (tools/check_ptxas.py); the driver sets it aside
+/// for every thread that the GPU can hold.
+constexpr std::size_t kStackBytes = 13 * 1024;
 
 Error no_device(const std::string& why) {
-    return {Error::Code::NoDevice,
-            "--device cuda",
-            why + "; use --device cpu, or run where a GPU is"};
+    return {Error::Code::NoDevice, "--device cuda", why};
+}
+
+/// 13020 -> "13.2"
+std::string version_text(int version) {
+    return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
+}
+
+/// Why the driver cannot be used; empty if it can.
+std::string driver_trouble() {
+    int driver = 0;
+    int runtime = 0;
+    cudaDriverGetVersion(&driver);
+    cudaRuntimeGetVersion(&runtime);
+    if (driver == 0) return "no NVIDIA driver is installed";
+    if (driver / 1000 < runtime / 1000)
+        return "the NVIDIA driver is too old: it serves CUDA " + version_text(driver)
+             + ", this program needs " + std::to_string(runtime / 1000) + ".0";
+    return "";
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& input) {
+Result<CudaDevice> find_cuda_device() {
+    if (const std::string trouble = driver_trouble(); !trouble.empty())
+        return no_device(trouble);
     int count = 0;
     const cudaError_t found = cudaGetDeviceCount(&count);
+    cudaGetLastError();
     if (found == cudaErrorInsufficientDriver)
-        return no_device(
-            "no NVIDIA driver, or one too old for this program's CUDA runtime");
-    if (found != cudaSuccess || count == 0) return no_device("no NVIDIA GPU was found");
+        return no_device("the NVIDIA driver is too old for this program");
+    if (found != cudaSuccess && found != cudaErrorNoDevice)
+        return no_device(std::string("the NVIDIA driver does not work: ")
+                         + cudaGetErrorString(found));
+    if (count == 0) return no_device("no NVIDIA GPU was found");
     cudaDeviceProp properties{};
     if (cudaGetDeviceProperties(&properties, 0) != cudaSuccess)
         return no_device("the GPU does not answer");
-    if (properties.major < 8)
+    if (properties.major < kLeastComputeCapability)
         return no_device(std::string(properties.name) + " has compute capability "
                          + std::to_string(properties.major) + "."
-                         + std::to_string(properties.minor) + ", at least 8.0 is needed");
+                         + std::to_string(properties.minor) + ", at least "
+                         + std::to_string(kLeastComputeCapability) + ".0 is needed");
+    const std::size_t threads =
+        static_cast<std::size_t>(properties.multiProcessorCount)
+        * static_cast<std::size_t>(properties.maxThreadsPerMultiProcessor);
+    return CudaDevice{properties.name, threads * kStackBytes};
+}
+
+Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& input) {
+    const Result<CudaDevice> device = find_cuda_device();
+    if (!device) return device.error();
     try {
+        std::size_t free = 0;
+        std::size_t total = 0;
+        check_cuda(cudaMemGetInfo(&free, &total), "ask for free device memory");
+        const std::string trouble =
+            device_memory_trouble(input, device.value(), free, total);
+        if (!trouble.empty()) return no_device(trouble);
         return std::unique_ptr<Engine>(
-            std::make_unique<CudaEngine>(input, properties.name));
+            std::make_unique<GuardedEngine<CudaExec>>(input, device.value().name));
     } catch (const std::exception& trouble) {
-        return no_device(std::string(properties.name) + ": " + trouble.what());
+        return no_device(device.value().name + ": " + trouble.what());
     }
 }
 

@@ -44,6 +44,8 @@ class EngineOn {
                    exec_, stepper_.x(), newton.pairs(), newton.law().barrier)
              / h_sq;
     }
+    /// For measurements.
+    [[nodiscard]] const Exec& exec() const { return exec_; }
 
   private:
     Exec exec_;

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "linear/block_pattern.hpp"
 #include "model/model.hpp"
 
+#include <cstddef>
+#include <string>
+
 namespace noli {
+
+struct CudaDevice;
+struct EngineInput;
 
 /// Memory that a run of this model will need, MB: the large arrays, counted, plus a share
 /// for contacts that grows with the surface.
@@ -19,5 +26,18 @@ inline double estimate_megabytes(const Model& model) {
     return 20.0
          + 1e-6 * (tets * per_tet + vertices * per_vertex + surface * per_primitive);
 }
+
+/// Bytes of device memory that a run will need: the arrays of known size, counted, and
+/// what a surface in contact takes, by experience. Buffers have room to grow.
+std::size_t estimate_device_bytes(const Model& model,
+                                  const BlockPattern& pattern,
+                                  bool has_stiffness_damping);
+
+/// A sentence with numbers and a cure if that is more than the device has free, else
+/// empty.
+std::string device_memory_trouble(const EngineInput& input,
+                                  const CudaDevice& device,
+                                  std::size_t free_bytes,
+                                  std::size_t total_bytes);
 
 }  // namespace noli

@@ -69,6 +69,8 @@ const char* to_string(Outcome outcome) {
             return "boundary_blocked";
         case Outcome::Intersecting:
             return "intersecting";
+        case Outcome::DeviceFailed:
+            return "device_failed";
     }
     return "unknown";
 }
@@ -95,17 +97,26 @@ struct Simulator::Impl {
 
 Status Simulator::Impl::choose_engine() {
     const EngineInput input{model, pattern, settings, scene.gravity, options.threads};
-    if (options.device == Device::Cuda) {
+    const bool wants_gpu = options.device == Device::Cuda
+                        || (options.device == Device::Auto && kAutoTakesGpu);
+    if (wants_gpu) {
         auto made = make_cuda_engine(input);
-        if (!made) return made.error();
-        engine = std::move(made.value());
-        return Done{};
-    }
-    // The CUDA engine has not run on a GPU yet, so "auto" does not choose it by itself.
-    if (options.device == Device::Auto)
+        if (made) engine = std::move(made.value());
+        if (!made && options.device == Device::Cuda) {
+            Error error = made.error();
+            error.message += "; use --device cpu, or run where a usable GPU is";
+            return error;
+        }
+        if (!made) resolved.device_note = made.error().message;
+    } else if (options.device == Device::Auto) {
+        const Result<CudaDevice> found = find_cuda_device();
         resolved.device_note =
-            "the CUDA engine is new; --device cuda selects it where a GPU is";
-    engine = make_cpu_engine(input);
+            found ? found.value().name
+                        + " could be used, but the CUDA engine has not been checked on a "
+                          "GPU yet; --device cuda selects it"
+                  : found.error().message;
+    }
+    if (!engine) engine = make_cpu_engine(input);
     return Done{};
 }
 
