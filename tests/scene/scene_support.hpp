@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -72,9 +73,15 @@ inline HalfSpace ground(double friction = 0.0, double y = 0.0) {
     return plane;
 }
 
+/// The CPU, or the GPU where NOLI_TEST_DEVICE=cuda asks for it (`make gpu-check`).
+inline Device device_under_test() {
+    const char* asked = std::getenv("NOLI_TEST_DEVICE");
+    return asked != nullptr && std::string(asked) == "cuda" ? Device::Cuda : Device::Cpu;
+}
+
 inline SimulatorOptions checked_options(int threads = 2) {
     SimulatorOptions options;
-    options.device = Device::Cpu;
+    options.device = device_under_test();
     options.threads = threads;
     options.verify = true;
     options.record_iterations = true;

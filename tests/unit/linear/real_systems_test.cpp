@@ -96,6 +96,44 @@ class RealSystem : public testing::TestWithParam<Case> {
         return high;
     }
 
+    /// The same for a preconditioner of devices.
+    int device_iterations_to_one_percent(PreconditionerKind kind,
+                                         int size,
+                                         int most_dense_nodes = kMostDenseNodes) {
+        DevicePcg<CpuExec> pcg;
+        const std::vector<int> order = morton_order(system.rest);
+        pcg.set_order(order);
+        PcgOptions options;
+        options.preconditioner = kind;
+        options.tolerance = 1e-30;
+        if (size > 0) {
+            pcg.set_aggregates(cut_aggregates(system.tets, order, size),
+                               most_dense_nodes);
+            options.positions = view_of(system.positions);
+        }
+        x.resize(system.b.size());
+        const auto is_rough = [&](int iterations) {
+            options.max_iterations = iterations;
+            pcg.solve(exec,
+                      matrix,
+                      terms,
+                      view_of(system.b),
+                      view_of(system.fixed),
+                      options,
+                      view_of(x));
+            return energy_error(x) > 1e-2;
+        };
+        int high = 8;
+        while (is_rough(high))
+            high *= 2;
+        int low = 0;
+        while (high - low > 1) {
+            const int middle = (low + high) / 2;
+            (is_rough(middle) ? low : high) = middle;
+        }
+        return high;
+    }
+
     /// |x - x*|_A / |x*|_A
     double energy_error(const std::vector<Vec3d>& got) {
         std::vector<Vec3d> difference = got;
@@ -165,6 +203,24 @@ TEST_P(RealSystem, RigidAggregatesBeatEveryPreconditionerWithoutACoarseSpace) {
     }
     EXPECT_LT(rigid32, sweeps);
     EXPECT_LE(rigid32, GetParam().one_level_to_one_percent);
+}
+
+TEST_P(RealSystem, RigidMotionsOnADeviceBeatBlockJacobi) {
+    using Kind = PreconditionerKind;
+    constexpr int kTwoLevels = 16;  // at most 16 nodes on the last one: banks before it
+    const int jacobi = device_iterations_to_one_percent(Kind::BlockJacobi, 32);
+    const int levels =
+        device_iterations_to_one_percent(Kind::BlockJacobi, 32, kTwoLevels);
+    const int banks = device_iterations_to_one_percent(Kind::Schwarz, 32);
+    RecordProperty("jacobi_rigid32", jacobi);
+    RecordProperty("jacobi_rigid32_two_levels", levels);
+    RecordProperty("schwarz_rigid32", banks);
+    EXPECT_LE(banks, jacobi);
+    EXPECT_LE(levels, 2 * jacobi);
+    // Soft bodies under stiff contacts get little from rigid motions, stiff ones nearly
+    // all of their convergence.
+    EXPECT_LE(jacobi, GetParam().jacobi_to_one_percent);
+    EXPECT_LE(jacobi, 100);
 }
 
 TEST_P(RealSystem, EnergyTestWithACoarseSpaceLeavesLessThanTwoPercentOfError) {

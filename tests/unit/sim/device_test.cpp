@@ -1,157 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The engine's text as a device runs it. Without a GPU: on an executor whose memory may
-/// only be touched inside of kernels, so that host code which looks into a view dies.
-/// With a GPU: on CUDA.
+/// only be touched inside of kernels. With a GPU: on CUDA.
 #include "noli/simulator.hpp"
 
-#include "exec/cpu.hpp"
 #include "linear/block_pattern.hpp"
-#include "sim/engine_on.hpp"
+#include "sim/estimate.hpp"
+#include "sim/guarded_engine.hpp"
+#include "support/device_like_exec.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
-#include <new>
-#include <sys/mman.h>
 #include <vector>
 
 namespace noli {
 namespace {
 
-/// "Device" memory: closed unless somebody holds an Open.
-class DeviceMemory {
-  public:
-    static void* take(std::size_t bytes) {
-        Pool& p = pool();
-        const std::size_t begin = p.used;
-        p.used += (bytes + kPage - 1) / kPage * kPage;
-        if (p.used > kSize) throw std::bad_alloc();
-        return p.base + begin;
-    }
-
-    class Open {
-      public:
-        Open() {
-            if (pool().open++ == 0) protect(PROT_READ | PROT_WRITE);
-        }
-        ~Open() {
-            if (--pool().open == 0) protect(PROT_NONE);
-        }
-        Open(const Open&) = delete;
-        Open& operator=(const Open&) = delete;
-    };
-
-  private:
-    struct Pool {
-        char* base = static_cast<char*>(mmap(nullptr,
-                                             kSize,
-                                             PROT_NONE,
-                                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
-                                             -1,
-                                             0));
-        std::size_t used = 0;
-        int open = 0;
-    };
-    static Pool& pool() {
-        static Pool pool;
-        return pool;
-    }
-    static void protect(int how) { mprotect(pool().base, pool().used, how); }
-
-    static constexpr std::size_t kPage = 4096;
-    static constexpr std::size_t kSize = std::size_t{1}
-                                      << 30;  // of addresses, not of memory
-};
-
-/// Never gives memory back; a test is short. New memory holds NaN.
-template <class T>
-class ClosedBuffer {
-  public:
-    void resize(int n) {
-        if (n > capacity_) {
-            capacity_ = 2 * n;
-            const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(capacity_);
-            data_ = static_cast<T*>(DeviceMemory::take(bytes));
-            const DeviceMemory::Open open;
-            std::memset(static_cast<void*>(data_), 0xFF, bytes);
-        }
-        size_ = n;
-    }
-    [[nodiscard]] int size() const { return size_; }
-    View<T> view() { return {data_, size_}; }
-    [[nodiscard]] View<const T> view() const { return {data_, size_}; }
-
-  private:
-    T* data_ = nullptr;
-    int size_ = 0;
-    int capacity_ = 0;
-};
-
-/// Takes every decision of the text that a GPU takes, on one thread of the host.
-class DeviceLikeExec {
-  public:
-    template <class T>
-    using Buffer = ClosedBuffer<T>;
-    static constexpr bool kIsDevice = true;
-
-    template <class F>
-    void for_each(const char* name, int n, F f, int grain = 1) {
-        const DeviceMemory::Open open;
-        host_.for_each(name, n, f, grain);
-    }
-    template <class F>
-    void for_lanes(const char* /*name*/, int n, F f) {
-        const DeviceMemory::Open open;
-        for (int i = 0; i < n; ++i)
-            f(Lane<double>{i});
-    }
-    template <class F>
-    double sum(const char* name, int n, F f) {
-        const DeviceMemory::Open open;
-        return host_.sum(name, n, f);
-    }
-    template <class F>
-    double min(const char* name, int n, F f) {
-        const DeviceMemory::Open open;
-        return host_.min(name, n, f);
-    }
-    int scan(const char* name, View<const int> counts, View<int> offsets) {
-        const DeviceMemory::Open open;
-        return host_.scan(name, counts, offsets);
-    }
-    template <class Key>
-    void sort_by_key(const char* name, View<Key> keys, View<int> values) {
-        const DeviceMemory::Open open;
-        host_.sort_by_key(name, keys, values);
-    }
-    template <class T>
-    void upload(const std::vector<T>& from, ClosedBuffer<T>& to) {
-        to.resize(static_cast<int>(from.size()));
-        const DeviceMemory::Open open;
-        std::copy(from.begin(), from.end(), to.view().begin());
-    }
-    template <class T>
-    void download(View<const T> from, std::vector<T>& to) {
-        const DeviceMemory::Open open;
-        host_.download(from, to);
-    }
-    template <class T>
-    void copy(View<const T> from, View<T> to) {
-        const DeviceMemory::Open open;
-        host_.copy(from, to);
-    }
-    template <class T>
-    T read(View<const T> from, int i) {
-        const DeviceMemory::Open open;
-        return from[i];
-    }
-
-  private:
-    ShuffledExec
-        host_;  // kernels run in a scrambled order: results must not depend on it
-};
+using test::ClosedBuffer;
+using test::DeviceLikeExec;
 
 /// A box that lands askew on another one, which stands on a slope: all kinds of pairs,
 /// friction.
@@ -224,6 +91,16 @@ void expect_device_text_matches_cpu(const Scene& scene) {
         device.elastic_energy(), cpu->elastic_energy(), 0.05 * cpu->elastic_energy());
 }
 
+/// A box that falls freely onto the ground: its bottom is all that touches.
+Scene drop(int cells) {
+    Scene scene = pile();
+    scene.damping.stiffness = 0.0;
+    scene.bodies.resize(1);
+    const double n = cells;
+    scene.bodies[0].mesh.parameters = {{"cells", {n, n, n}}};
+    return scene;
+}
+
 TEST(DeviceMemory, EndsAProgramThatTouchesItOutsideOfKernels) {
     DeviceLikeExec exec;
     ClosedBuffer<int> buffer;
@@ -245,6 +122,147 @@ TEST(DeviceText, DoesSoWithTheDirectSolver) {
     scene.solver.tolerance = 1e-4;
     scene.solver.linear = LinearSolver::Cholmod;
     expect_device_text_matches_cpu(scene);
+}
+
+/// Steps of a scene on the device-like executor, and what crossed to and from it.
+struct Counted {
+    test::BusTraffic traffic;
+    int newton = 0;
+    int steps = 0;
+    int num_vertices = 0;
+};
+
+Counted count_traffic(const Scene& scene) {
+    const Model model = build_model(scene).value();
+    const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
+    const StepSettings settings = settings_of(scene, model);
+    EngineOn<DeviceLikeExec> device({model, pattern, settings, scene.gravity, 1});
+    device.step();  // everything that is constant has been uploaded
+    Counted out;
+    out.num_vertices = model.num_vertices;
+    DeviceLikeExec::traffic() = {};
+    for (; out.steps < 4; ++out.steps) {
+        const StepReport report = device.step();
+        EXPECT_EQ(report.outcome, Outcome::Converged) << report.message;
+        EXPECT_GT(report.contacts, 0);
+        out.newton += report.newton;
+    }
+    out.traffic = DeviceLikeExec::traffic();
+    return out;
+}
+
+TEST(DeviceTraffic, IsAHandfulOfScalarsPerNewtonIterationWhateverTheMesh) {
+    const Counted small = count_traffic(drop(3));
+    const Counted large = count_traffic(drop(9));
+    ASSERT_GT(large.num_vertices, 8 * small.num_vertices);
+    for (const Counted& run : {small, large}) {
+        // The state of PCG is the largest; nothing is per vertex or per pair.
+        EXPECT_LE(run.traffic.largest, 256);
+        EXPECT_LE(run.traffic.bytes, 2048L * run.newton);
+        // One copy of the positions per step starts on its way and is not waited for.
+        EXPECT_EQ(run.traffic.arriving, run.steps * 24L * run.num_vertices);
+    }
+    const auto per_newton = [](const Counted& run) {
+        return static_cast<double>(run.traffic.bytes) / run.newton;
+    };
+    EXPECT_LT(per_newton(large), 1.5 * per_newton(small));
+    RecordProperty("bytes_per_newton_small", static_cast<int>(per_newton(small)));
+    RecordProperty("bytes_per_newton_large", static_cast<int>(per_newton(large)));
+    RecordProperty("waits_per_newton_large",
+                   static_cast<int>(large.traffic.downloads / large.newton));
+    RecordProperty("loops_per_newton_large",
+                   static_cast<int>(large.traffic.launches / large.newton));
+}
+
+TEST(DeviceTraffic, SendsPrescribedMotionsOnceAStepAndOnlyThose) {
+    Scene scene = drop(4);
+    BoundaryCondition lid;
+    lid.kind = BoundaryCondition::Kind::Velocity;
+    lid.selection.kind = Selection::Kind::Box;
+    lid.selection.box_min = {0, 1, 0};  // of the mesh's box: the top
+    lid.linear = {0, -0.1, 0};
+    scene.bodies[0].boundary = {lid};
+    const Counted run = count_traffic(scene);
+    EXPECT_LE(run.traffic.largest, 24L * 25);  // 5 x 5 vertices
+}
+
+TEST(GuardedEngine, ReportsAFullDeviceAndKeepsTheLastWholeStep) {
+    Scene scene = drop(3);
+    scene.bodies[0].transform.rows[1][3] = 0.53;  // some steps of free fall first
+    const Model model = build_model(scene).value();
+    const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
+    const StepSettings settings = settings_of(scene, model);
+    const EngineInput input{model, pattern, settings, scene.gravity, 1};
+    GuardedEngine<DeviceLikeExec> engine(input, "a small device");
+    ASSERT_EQ(engine.step().outcome, Outcome::Converged);
+    test::DeviceMemory::limit() = test::DeviceMemory::used();  // not a byte more
+    StepReport report;
+    for (int k = 0; k < 20 && report.outcome == Outcome::Converged; ++k)
+        report = engine.step();
+    EXPECT_EQ(report.outcome, Outcome::DeviceFailed);
+    EXPECT_NE(report.message.find("a small device: not enough memory on the device"),
+              std::string::npos)
+        << report.message;
+    EXPECT_EQ(report.step, engine.steps() + 1);
+    const StepState after = engine.state();
+    EXPECT_EQ(after.steps, engine.steps());
+    EXPECT_GT(after.steps, 3);
+    for (const Vec3d& x : after.x)
+        EXPECT_TRUE(std::isfinite(norm_sq(x)));
+    EXPECT_EQ(engine.contact_forces().size(), after.x.size());
+
+    // With memory again, the simulation goes on from there as if nothing had happened.
+    test::DeviceMemory::limit() = std::size_t{1} << 33;
+    GuardedEngine<DeviceLikeExec> fresh(input, "a large device");
+    fresh.set_state(after);
+    EXPECT_EQ(fresh.step().outcome, Outcome::Converged);
+    EXPECT_EQ(engine.step().outcome, Outcome::Converged);
+    EXPECT_EQ(largest_difference(engine.positions(), fresh.positions()), 0.0);
+}
+
+TEST(GuardedEngine, ThrowsWhenTheDeviceIsFullFromTheStart) {
+    const Scene scene = pile();
+    const Model model = build_model(scene).value();
+    const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
+    const StepSettings settings = settings_of(scene, model);
+    test::DeviceMemory::limit() = 100000;
+    EXPECT_THROW(GuardedEngine<DeviceLikeExec>(
+                     {model, pattern, settings, scene.gravity, 1}, "a tiny device"),
+                 DeviceFull);
+    test::DeviceMemory::limit() = std::size_t{1} << 33;
+}
+
+TEST(DeviceEstimate, IsNearWhatARunTakes) {
+    for (const int cells : {6, 14}) {
+        const Scene scene = drop(cells);
+        const Model model = build_model(scene).value();
+        const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
+        const StepSettings settings = settings_of(scene, model);
+        EngineOn<DeviceLikeExec> device({model, pattern, settings, scene.gravity, 1});
+        for (int k = 0; k < 2; ++k)
+            ASSERT_EQ(device.step().outcome, Outcome::Converged);
+        constexpr double kFixed = 64e6;  // of the runtime, which this executor lacks
+        const double estimate =
+            static_cast<double>(estimate_device_bytes(model, pattern, false)) - kFixed;
+        const double taken = 1.25 * static_cast<double>(test::DeviceMemory::asked());
+        EXPECT_GT(estimate, 0.8 * taken) << cells;
+        EXPECT_LT(estimate, 4.0 * taken) << cells;
+    }
+}
+
+TEST(DeviceEstimate, SaysWithNumbersThatMemoryDoesNotSuffice) {
+    const Scene scene = drop(6);
+    const Model model = build_model(scene).value();
+    const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
+    const StepSettings settings = settings_of(scene, model);
+    const EngineInput input{model, pattern, settings, scene.gravity, 1};
+    const CudaDevice gpu{"GPU", std::size_t{1} << 30};
+    EXPECT_EQ(device_memory_trouble(input, gpu, std::size_t{1} << 34, 1), "");
+    EXPECT_NE(device_memory_trouble(input, gpu, std::size_t{1} << 30, 1), "");
+    const std::string trouble =
+        device_memory_trouble(input, gpu, std::size_t{10} << 20, std::size_t{40} << 20);
+    EXPECT_NE(trouble.find("not enough memory on GPU"), std::string::npos) << trouble;
+    EXPECT_NE(trouble.find("10.0 MB of 40.0 MB are free"), std::string::npos) << trouble;
 }
 
 TEST(CudaEngine, MatchesTheCpu) {

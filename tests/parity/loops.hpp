@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Every loop of a Newton iteration, run once on one executor from given positions, and
+/// all that came out of it: what is compared between executors.
+
+#include "linear/device_pcg.hpp"
+#include "objective/objective.hpp"
+#include "step/boundary_upload.hpp"
+#include "step/collision.hpp"
+#include "step/direction.hpp"
+#include "step/integrator.hpp"
+
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace noli::test {
+
+/// What a group of loops left behind, as plain numbers.
+struct LoopResult {
+    std::string name;
+    std::vector<double> values;
+    bool is_exact = false;  ///< indices and counts: no rounding anywhere
+};
+
+/// Where the loops start.
+struct LoopInput {
+    const Model& model;
+    const BlockPattern& pattern;
+    double h_sq, dhat, kappa, friction_eps;
+    std::vector<Vec3d> x_start, x, x_tilde, p;
+    std::vector<std::uint8_t> fixed;
+};
+
+/// Appends the numbers of one item.
+inline void flatten(double v, std::vector<double>& out) {
+    out.push_back(v);
+}
+inline void flatten(const Vec3d& v, std::vector<double>& out) {
+    out.insert(out.end(), {v.x, v.y, v.z});
+}
+inline void flatten(const Mat3d& m, std::vector<double>& out) {
+    out.insert(out.end(), m.a, m.a + 9);
+}
+inline void flatten(const Mode& m, std::vector<double>& out) {
+    for (const Vec3d& q : m.q)
+        flatten(q, out);
+}
+template <class Ids>
+requires requires(const Ids& ids) {
+    ids.v[0];
+}
+void flatten(const Ids& ids, std::vector<double>& out) {
+    for (const int v : ids.v)
+        out.push_back(v);
+}
+inline void flatten(const MollifiedPair& pair, std::vector<double>& out) {
+    flatten(pair.v, out);
+    out.push_back(static_cast<double>(pair.kind));
+    for (const auto local : pair.local)
+        out.push_back(local);
+}
+
+template <class Exec>
+class LoopRun {
+  public:
+    template <class T>
+    using Buffer = typename Exec::template Buffer<T>;
+
+    LoopRun(Exec& exec, const LoopInput& in)
+        : exec_(exec), in_(in), objective_(exec, in.model, in.pattern) {
+        exec.upload(in.x_start, x_start_);
+        exec.upload(in.x, x_);
+        exec.upload(in.x_tilde, x_tilde_);
+        exec.upload(in.p, p_);
+        exec.upload(in.fixed, fixed_);
+        law_ = {.barrier = {.dhat = in.dhat,
+                            .kappa = in.kappa,
+                            .exponent = 2,
+                            .curvature_cap = 0.0},
+                .hessian = ContactHessian::GaussNewtonPlus,
+                .mollified = MollifiedHessian::Exact};
+    }
+
+    std::vector<LoopResult> run() {
+        contact();
+        for (const ContactHessian hessian : {ContactHessian::GaussNewton,
+                                             ContactHessian::GaussNewtonPlus,
+                                             ContactHessian::Exact,
+                                             ContactHessian::Numeric}) {
+            law_.hessian = hessian;
+            assembly("hessian " + std::to_string(static_cast<int>(hessian)));
+        }
+        law_.hessian = ContactHessian::GaussNewtonPlus;
+        assembly("last");
+        products();
+        bounds();
+        linear_solves();
+        return std::move(out_);
+    }
+
+  private:
+    template <class T>
+    void keep(const std::string& name, View<const T> from, bool is_exact = false) {
+        std::vector<T> host;
+        exec_.download(from, host);
+        LoopResult result{name, {}, is_exact};
+        for (const T& item : host)
+            flatten(item, result.values);
+        out_.push_back(std::move(result));
+    }
+    void keep(const std::string& name,
+              std::vector<double> values,
+              bool is_exact = false) {
+        out_.push_back({name, std::move(values), is_exact});
+    }
+    [[nodiscard]] View<const Vec3d> x() const { return x_.view(); }
+    [[nodiscard]] View<const Vec3d> p() const { return p_.view(); }
+
+    void contact() {
+        collision_.begin_step(exec_, in_.model, in_.model.obstacle, x());
+        collision_.find_candidates_along(exec_, x(), {}, 0.0, in_.dhat);
+        collision_.find_pairs_at(exec_, x(), in_.dhat, pairs_);
+        keep("pairs PP", View<const Int2>(pairs_.pp.view()), true);
+        keep("pairs PE", View<const Int3>(pairs_.pe.view()), true);
+        keep("pairs PT", View<const Int4>(pairs_.pt.view()), true);
+        keep("pairs EE", View<const Int4>(pairs_.ee.view()), true);
+        keep("pairs mollified", View<const MollifiedPair>(pairs_.mollified.view()), true);
+        keep("pairs plane", View<const Int2>(pairs_.planes.view()), true);
+        keep("smallest gap", {collision_.gap_at(exec_, pairs_, x())});
+        objective_.begin_step(exec_,
+                              {.h_sq = in_.h_sq,
+                               .mass_damping = 0.1 * in_.h_sq,
+                               .stiffness_damping = 0.01,
+                               .friction_eps = in_.friction_eps},
+                              x_start_.view(),
+                              x_tilde_.view(),
+                              fixed_.view());
+        objective_.lag_friction_at(exec_, pairs_, x_start_.view(), law_);
+    }
+
+    void assembly(const std::string& name) {
+        objective_.assemble(exec_, x(), pairs_, law_);
+        keep(name + " gradient", objective_.gradient());
+        keep(name + " blocks", objective_.matrix().values());
+        // Of a mode, the sign and its order among others of its term are a matter of
+        // rounding: what counts is what the modes add up to.
+        Buffer<Mat3d> diagonal;
+        Buffer<Vec3d> product;
+        diagonal.resize(x_.size());
+        product.resize(x_.size());
+        objective_.matrix().diagonal_blocks(exec_, diagonal.view());
+        objective_.terms().add_diagonal(exec_, diagonal.view());
+        keep(name + " diagonal", View<const Mat3d>(diagonal.view()));
+        detail::set_zero(exec_, product.view());
+        objective_.terms().multiply_add(exec_, p(), product.view());
+        keep(name + " contact product", View<const Vec3d>(product.view()));
+        keep(name + " energy", {objective_.energy(exec_, x(), pairs_, law_)});
+    }
+
+    void products() {
+        Buffer<Vec3d> y;
+        y.resize(x_.size());
+        objective_.matrix().multiply(exec_, p(), y.view());
+        keep("block product", View<const Vec3d>(y.view()));
+        keep("quadratic forms",
+             {objective_.matrix().quadratic_form(exec_, p()),
+              objective_.terms().quadratic_form(exec_, p())});
+        objective_.contact_forces(exec_, x(), pairs_, law_, y.view());
+        keep("contact forces", View<const Vec3d>(y.view()));
+        objective_.elastic_gradient_at(exec_, x(), y.view());
+        keep("elastic gradient", View<const Vec3d>(y.view()));
+        keep("friction unrest", {objective_.friction_unrest(exec_, x(), p(), 0.0)});
+    }
+
+    void bounds() {
+        const InversionBound inversion =
+            objective_.inversion_bound_along(exec_, x(), p(), 0.2);
+        keep("inversion bound", {inversion.alpha});
+        collision_.find_candidates_along(exec_, x(), p(), 1.0, in_.dhat);
+        const StepBound bound = collision_.bound(exec_, x(), p(), 1.0, 0.0);
+        keep("step bound", {bound.alpha});
+        PairSet<Exec> pairs;
+        collision_.find_pairs_at(exec_, x(), in_.dhat, pairs);
+        keep("pairs among swept candidates", {double(pairs.size())}, true);
+    }
+
+    void linear_solves() {
+        Buffer<Vec3d> rhs, solution;
+        rhs.resize(x_.size());
+        solution.resize(x_.size());
+        detail::set_zero(exec_, solution.view());
+        detail::right_hand_side(exec_,
+                                View<const std::uint8_t>(fixed_.view()),
+                                objective_.gradient(),
+                                View<const Vec3d>(solution.view()),
+                                rhs.view());
+        const std::vector<int> order = morton_order(in_.model.x0);
+        for (const bool coarse : {false, true})
+            for (const PreconditionerKind kind :
+                 {PreconditionerKind::BlockJacobi, PreconditionerKind::Schwarz}) {
+                DevicePcg<Exec> pcg;
+                pcg.set_order(order);
+                pcg.set_aggregates(cut_aggregates(in_.model.tets, order, 8), 16);
+                PcgOptions options;
+                options.preconditioner = kind;
+                options.tolerance = 1e-20;
+                if (coarse) options.positions = x();
+                const PcgResult solved = pcg.solve(exec_,
+                                                   objective_.matrix(),
+                                                   objective_.terms(),
+                                                   View<const Vec3d>(rhs.view()),
+                                                   fixed_.view(),
+                                                   options,
+                                                   solution.view());
+                keep("solved",
+                     {double(solved.outcome == PcgResult::Outcome::Converged)},
+                     true);
+                keep("solution", View<const Vec3d>(solution.view()));
+            }
+    }
+
+    Exec& exec_;
+    const LoopInput& in_;
+    Objective<Exec> objective_;
+    Collision<Exec> collision_;
+    PairSet<Exec> pairs_;
+    ContactLaw law_{};
+    Buffer<Vec3d> x_start_, x_, x_tilde_, p_;
+    Buffer<std::uint8_t> fixed_;
+    std::vector<LoopResult> out_;
+};
+
+template <class Exec>
+std::vector<LoopResult> run_loops(const LoopInput& in) {
+    Exec exec;
+    return LoopRun<Exec>(exec, in).run();
+}
+
+}  // namespace noli::test
