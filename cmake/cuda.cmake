@@ -13,8 +13,11 @@ if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
   set(CMAKE_CUDA_COMPILER ${NOLI_NVCC})
 endif()
 enable_language(CUDA)
+# What ptxas says of registers and spills stays beside the object files: tools/check_ptxas.py.
+set(CMAKE_CUDA_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/tools/ptxas_launcher.sh)
 find_package(CUDAToolkit REQUIRED)
 
+set_target_properties(noli_sim PROPERTIES CUDA_COMPILER_LAUNCHER ${CMAKE_CUDA_COMPILER_LAUNCHER})
 target_sources(noli_sim PRIVATE ${PROJECT_SOURCE_DIR}/src/sim/engine_cuda.cu)
 target_compile_definitions(noli_sim PRIVATE NOLI_HAVE_CUDA)
 list(APPEND NOLI_ROOM_LIBS_sim CUDA::cudart_static)
@@ -23,6 +26,6 @@ list(APPEND NOLI_ROOM_LIBS_sim CUDA::cudart_static)
 # the same floating-point flags as the .cpp files: both may hold a copy of an inline function.
 # --threads: one per architecture.
 target_compile_options(noli_sim PRIVATE
-  $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--extended-lambda;--expt-relaxed-constexpr;-fmad=false;--threads=2>
+  $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20;--extended-lambda;--expt-relaxed-constexpr;-fmad=false;-Xptxas=-v;--threads=2>
   $<$<COMPILE_LANGUAGE:CUDA>:-Xcompiler=-ffp-contract=off,-fno-math-errno,-fno-trapping-math,-Wall>
   $<$<AND:$<COMPILE_LANGUAGE:CUDA>,$<BOOL:${NOLI_WERROR}>>:-Werror=all-warnings>)
