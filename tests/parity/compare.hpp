@@ -5,10 +5,10 @@
 /// A loop does the same operations per item on both, and only three things may differ:
 /// the last bit of log, sqrt of sums and their like; the order in which sums are taken;
 /// eigenvectors of nearly equal eigenvalues, which the projected Hessians are free of.
-/// Measured between executors of the CPU whose sums differ in order, 1e-13 of the largest
-/// entry; stiff terms cancel three digits more. So 1e-10 of the largest entry for one
-/// assembly, and for a linear solve to 1e-20 in squared norm the same times a condition
-/// number of 1e3.
+/// An estimate, to be checked on a device: sums in another order differ by some 1e-13 of
+/// the largest entry, and stiff terms cancel three digits more. So 1e-10 of the largest
+/// entry for one assembly, and for a linear solve to 1e-20 in squared norm the same times
+/// a condition number of 1e3.
 
 #include "exec/cpu.hpp"
 #include "parity/loops.hpp"

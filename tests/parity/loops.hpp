@@ -118,7 +118,7 @@ class LoopRun {
     [[nodiscard]] View<const Vec3d> p() const { return p_.view(); }
 
     void contact() {
-        collision_.begin_step(exec_, in_.model, in_.model.obstacle, x());
+        collision_.begin_step(exec_, in_.model, in_.model.obstacle);
         collision_.find_candidates_along(exec_, x(), {}, 0.0, in_.dhat);
         collision_.find_pairs_at(exec_, x(), in_.dhat, pairs_);
         keep("pairs PP", View<const Int2>(pairs_.pp.view()), true);
