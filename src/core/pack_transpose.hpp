@@ -6,6 +6,7 @@
 
 #include "core/pack.hpp"
 
+#include <cstddef>
 #include <cstring>
 
 namespace noli {
@@ -54,7 +55,7 @@ inline void store_transposed(const Pack<8> (&rows)[8], double* out, int stride) 
         const auto back0 = even_parts(pairs[2], pairs[3]);
         const auto back2 = odd_parts(pairs[2], pairs[3]);
         const auto store = [&](int j, const RawPack<8>::Values& column) {
-            store_pack<8>(out + stride * j, Pack<8>::from(column));
+            store_pack<8>(out + std::ptrdiff_t{stride} * j, Pack<8>::from(column));
         };
         store(first, even_parts(front0, back0));
         store(first + 2, even_parts(front2, back2));
@@ -84,7 +85,7 @@ inline void store_transposed(const Pack<4> (&rows)[8], double* out, int stride) 
         const auto cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
         const auto cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
         const auto store = [&](int j, const detail::RawPack<4>::Values& column) {
-            store_pack<4>(out + stride * j + k, Pack<4>::from(column));
+            store_pack<4>(out + std::ptrdiff_t{stride} * j + k, Pack<4>::from(column));
         };
         store(0, __builtin_shufflevector(ab02, cd02, 0, 1, 4, 5));
         store(1, __builtin_shufflevector(ab13, cd13, 0, 1, 4, 5));

@@ -58,7 +58,7 @@ struct ElementSums {
 
     /// First sum of a block.
     [[nodiscard]] int sum_begin(int block) const {
-        return kind_begin[static_cast<std::size_t>(block * sum_kind::kCount)];
+        return kind_begin[static_cast<std::size_t>(block) * sum_kind::kCount];
     }
 };
 
