@@ -21,10 +21,9 @@ namespace noli {
 
 /// A pool's neighbourhood.
 struct PoolRange {
-    View<const Vec3d> x;  ///< (num_vertices) reference positions, m
-    double margin;        ///< m
-    double gap;           ///< of the queries, m
-    double rounding;      ///< m, more than the error of distances and float boxes
+    double margin;    ///< m
+    double gap;       ///< of the queries, m
+    double rounding;  ///< m, more than the error of distances and float boxes
 
     /// The pool holds all pairs closer than this at the reference, m.
     [[nodiscard]] NOLI_HD double distance() const {

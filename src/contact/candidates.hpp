@@ -208,7 +208,7 @@ class BroadPhase {
         const View<const Vec3d> reference = reference_.view();
         constexpr double kRounding = 1e-5;  // above those of reach.hpp and of floats
         const double extent = detail::largest_coordinate(exec, m.vertices, reference);
-        range_ = {reference, margin, gap, kRounding * (2.0 * extent + gap + margin)};
+        range_ = {margin, gap, kRounding * (2.0 * extent + gap + margin)};
         const Motion still{reference, {}, 0.0};
         const double near = range_.distance();
         search<StaticBox>(exec,
