@@ -13,9 +13,9 @@ FORMULAS = ("sec1_constructions", "sec2_change_of_basis", "sec3_eigenvalues", "e
             "sec5_friction")
 QUICK = {"fig6_7": [], "mollified_counts": [], "newton_counts": ["--nudges", "0"], "table5": [], "tables1_4": ["--steps", "15"],
          "fig9_10": []}
-FULL = {"fig6_7": [], "mollified_counts": ["--nudges", "4"], "newton_counts": ["--nudges", "3", "--timeout", "240"],
-        "table5": ["--full", "--workers", "2", "--timeout", "7200"],
-        "tables1_4": ["--size", "reduced", "--steps", "20", "--timeout", "3600"],
+FULL = {"table5": ["--full", "--workers", "2", "--timeout", "7200"], "fig6_7": [],
+        "mollified_counts": ["--nudges", "4"], "newton_counts": ["--nudges", "1", "--timeout", "400"],
+        "tables1_4": ["--size", "reduced", "--steps", "15", "--timeout", "3600"],
         "fig9_10": ["--timeout", "3600"]}
 
 
