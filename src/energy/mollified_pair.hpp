@@ -159,16 +159,16 @@ NOLI_HD inline Vec3d scaled_unit(const Vec3d& k) {
     return normalized(Vec3d{k.x / size, k.y / size, k.z / size});
 }
 
-/// The closed-form models. Exactly parallel edges (c = 0) have no direction k / c:
-/// FourMode's sum does not depend on it there (any unit vector gives 2 b_gamma K^T K),
-/// TwoMode's does, so the authors' model has no modes there.
-NOLI_HD inline StencilModes<4, kMollifiedModes> closed_form_modes(
-    MollifiedHessian model,
+/// The closed-form models, TwoMode or FourMode. Exactly parallel edges (c = 0) have no
+/// direction k / c: FourMode's sum does not depend on it there (any unit vector gives 2
+/// b_gamma K^T K), TwoMode's does, so the authors' model has no modes there.
+template <MollifiedHessian Model>
+NOLI_HD inline StencilModes<4, max_rank(Model)> closed_form_modes(
     const MollifiedCase& sub,
     const Stencil<4>& x,
     double eps_cross,
     const BarrierParams& params) {
-    StencilModes<4, kMollifiedModes> out{};
+    StencilModes<4, max_rank(Model)> out{};
     const PairGeometry<4> pair = mollified_geometry(sub, x);
     if (!detail::inside_band(pair.d, params)) return out;
     const Vec3d u = x.x[1] - x.x[0];
@@ -177,7 +177,7 @@ NOLI_HD inline StencilModes<4, kMollifiedModes> closed_form_modes(
     const double gamma = norm_sq(k);
     const double c = std::sqrt(gamma);
     const bool parallel = !(max_abs(k) > 0.0);
-    if (parallel && model == MollifiedHessian::TwoMode) return out;
+    if (parallel && Model == MollifiedHessian::TwoMode) return out;
     const Vec3d k_hat = parallel ? Vec3d{1.0, 0.0, 0.0} : scaled_unit(k);
 
     const MollifierJet m = mollifier(gamma, eps_cross);
@@ -201,7 +201,7 @@ NOLI_HD inline StencilModes<4, kMollifiedModes> closed_form_modes(
         ++out.rank;
     }
     const double b_gamma = params.kappa * m.d1 * b.value;
-    if (model == MollifiedHessian::TwoMode || !(b_gamma > 0.0)) return out;
+    if (Model == MollifiedHessian::TwoMode || !(b_gamma > 0.0)) return out;
 
     Vec3d across[2];
     complete_frame(k_hat, across[0], across[1]);
@@ -215,27 +215,17 @@ NOLI_HD inline StencilModes<4, kMollifiedModes> closed_form_modes(
     return out;
 }
 
-}  // namespace detail
-
-/// PSD Hessian of a mollified pair, H = sum_k q_k q_k^T, N/m.
-///
-/// Source:  MATH 3.3, 3.4; no cap on the curvature
-/// In:      as mollified_energy
-/// Out:     at most max_rank(model) modes
-/// Valid:   d > 0; finite for exactly parallel edges
-NOLI_HD inline StencilModes<4, kMollifiedModes> mollified_hessian(
-    MollifiedHessian model,
+/// The numeric projection of the exact Hessian.
+NOLI_HD inline StencilModes<4, max_rank(MollifiedHessian::Exact)> projected_modes(
     const MollifiedCase& sub,
     const Stencil<4>& x,
     double eps_cross,
     const BarrierParams& params) {
-    if (model != MollifiedHessian::Exact)
-        return detail::closed_form_modes(model, sub, x, eps_cross, params);
-    StencilModes<4, kMollifiedModes> out{};
-    const ContactFrame<4> frame = detail::mollified_frame(sub, x);
-    if (!detail::inside_band(frame.d, params)) return out;
+    StencilModes<4, max_rank(MollifiedHessian::Exact)> out{};
+    const ContactFrame<4> frame = mollified_frame(sub, x);
+    if (!inside_band(frame.d, params)) return out;
     double H[9][9];
-    detail::mollified_exact_hessian(
+    mollified_exact_hessian(
         frame,
         x,
         mollifier(edge_cross_sq(x), eps_cross),
@@ -244,12 +234,58 @@ NOLI_HD inline StencilModes<4, kMollifiedModes> mollified_hessian(
     const SymmetricEigen<9> eigen = eigen_symmetric<9>(H);
     for (int mode = 0; mode < 9; ++mode) {
         if (!(eigen.values[mode] > 0.0)) continue;
-        detail::from_contrasts(eigen.vectors[mode],
-                               std::sqrt(params.kappa * eigen.values[mode]),
-                               out.q[out.rank]);
+        from_contrasts(eigen.vectors[mode],
+                       std::sqrt(params.kappa * eigen.values[mode]),
+                       out.q[out.rank]);
         ++out.rank;
     }
     return out;
+}
+
+template <int R>
+NOLI_HD inline StencilModes<4, kMollifiedModes> widened(const StencilModes<4, R>& from) {
+    StencilModes<4, kMollifiedModes> to{};
+    to.rank = from.rank;
+    for (int k = 0; k < from.rank; ++k)
+        for (int i = 0; i < 4; ++i)
+            to.q[k][i] = from.q[k][i];
+    return to;
+}
+
+}  // namespace detail
+
+/// PSD Hessian of a mollified pair, H = sum_k q_k q_k^T, N/m.
+///
+/// Source:  MATH 3.3, 3.4; no cap on the curvature
+/// In:      as mollified_energy
+/// Out:     at most max_rank(Model) modes
+/// Valid:   d > 0; finite for exactly parallel edges
+template <MollifiedHessian Model>
+NOLI_HD inline StencilModes<4, max_rank(Model)> mollified_modes(
+    const MollifiedCase& sub,
+    const Stencil<4>& x,
+    double eps_cross,
+    const BarrierParams& params) {
+    if constexpr (Model == MollifiedHessian::Exact)
+        return detail::projected_modes(sub, x, eps_cross, params);
+    else
+        return detail::closed_form_modes<Model>(sub, x, eps_cross, params);
+}
+
+/// The same for a model that is chosen at run time.
+NOLI_HD inline StencilModes<4, kMollifiedModes> mollified_hessian(
+    MollifiedHessian model,
+    const MollifiedCase& sub,
+    const Stencil<4>& x,
+    double eps_cross,
+    const BarrierParams& params) {
+    using Kind = MollifiedHessian;
+    if (model == Kind::TwoMode)
+        return detail::widened(mollified_modes<Kind::TwoMode>(sub, x, eps_cross, params));
+    if (model == Kind::FourMode)
+        return detail::widened(
+            mollified_modes<Kind::FourMode>(sub, x, eps_cross, params));
+    return detail::widened(mollified_modes<Kind::Exact>(sub, x, eps_cross, params));
 }
 
 }  // namespace noli

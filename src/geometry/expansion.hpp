@@ -88,6 +88,7 @@ NOLI_HD inline Expansion<M + N> sum(const Expansion<M>& e, const Expansion<N>& f
     int i = 0;
     int j = 0;
     double carry = 0.0;
+    NOLI_ROLLED
     while (i < e.size || j < f.size) {
         const bool take_e =
             j == f.size || (i < e.size && std::fabs(e.term[i]) < std::fabs(f.term[j]));
@@ -106,6 +107,7 @@ NOLI_HD inline Expansion<2 * M> scaled(const Expansion<M>& e, double factor) {
     Expansion<2 * M> out;
     out.size = 0;
     double carry = 0.0;
+    NOLI_ROLLED
     for (int i = 0; i < e.size; ++i) {
         const TwoTerms part = two_prod(e.term[i], factor);
         const TwoTerms low = two_sum(carry, part.lo);
@@ -126,6 +128,7 @@ NOLI_HD inline Expansion<4 * M> product(const Expansion<M>& e, const Expansion<2
     if (f.size == 0) return out;
     if (f.size == 1) {
         const Expansion<2 * M> single = scaled(e, f.term[0]);
+        NOLI_ROLLED
         for (int i = 0; i < single.size; ++i)
             out.push_nonzero(single.term[i]);
         return out;
@@ -135,6 +138,7 @@ NOLI_HD inline Expansion<4 * M> product(const Expansion<M>& e, const Expansion<2
 
 template <int M>
 NOLI_HD inline Expansion<M> negated(Expansion<M> e) {
+    NOLI_ROLLED
     for (int i = 0; i < e.size; ++i)
         e.term[i] = -e.term[i];
     return e;
@@ -144,6 +148,7 @@ NOLI_HD inline Expansion<M> negated(Expansion<M> e) {
 template <int M>
 NOLI_HD inline double rounded(const Expansion<M>& e) {
     double value = 0.0;
+    NOLI_ROLLED
     for (int i = 0; i < e.size; ++i)
         value = add_rn(value, e.term[i]);
     return value;
