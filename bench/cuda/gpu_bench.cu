@@ -9,6 +9,7 @@
 #include "exec/cuda.cuh"
 #include "linear/device_pcg.hpp"
 #include "sim/engine_on.hpp"
+#include "sim/step_settings.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -104,20 +105,6 @@ void bench_product(CudaExec& exec, double copy) {
     }
 }
 
-StepSettings settings_of(const Scene& scene, const Model& model) {
-    StepSettings out;
-    out.dt = scene.dt;
-    out.dhat = model.dhat;
-    out.epsv = model.epsv;
-    out.diagonal = model.diagonal;
-    out.mean_mass = model.mean_mass;
-    out.has_friction = true;
-    out.contact = spelled_out(scene.contact);
-    out.damping = scene.damping;
-    out.solver = scene.solver;
-    return out;
-}
-
 void bench_scene(const std::string& path, int steps) {
     const Result<Scene> scene = read_scene(path);
     const Result<Model> model = scene ? build_model(scene.value()) : scene.error();
@@ -127,7 +114,7 @@ void bench_scene(const std::string& path, int steps) {
     }
     const BlockPattern pattern =
         build_block_pattern(model.value().num_vertices, model.value().tets);
-    const StepSettings settings = settings_of(scene.value(), model.value());
+    const StepSettings settings = step_settings(scene.value(), model.value());
     EngineOn<CudaExec> engine(
         {model.value(), pattern, settings, scene.value().gravity, 0});
     const CudaCounts before = engine.exec().counts();

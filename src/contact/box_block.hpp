@@ -69,11 +69,13 @@ NOLI_HD inline void store(MovingBlock& block, int place, const MovingBox& box) {
     store(block.start, place, box.start);
     store(block.end, place, box.end);
 }
-NOLI_HD inline StaticBox load(const StaticBlock& block, int place) {
+[[gnu::always_inline]] NOLI_HD inline StaticBox load(const StaticBlock& block,
+                                                     int place) {
     return {{block.lo[0][place], block.lo[1][place], block.lo[2][place]},
             {block.hi[0][place], block.hi[1][place], block.hi[2][place]}};
 }
-NOLI_HD inline MovingBox load(const MovingBlock& block, int place) {
+[[gnu::always_inline]] NOLI_HD inline MovingBox load(const MovingBlock& block,
+                                                     int place) {
     return {load(block.start, place), load(block.end, place)};
 }
 

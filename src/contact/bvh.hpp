@@ -22,6 +22,7 @@
 #include "core/morton.hpp"
 #include "core/vec.hpp"
 #include "core/view.hpp"
+#include "exec/later.hpp"
 
 #include <cstdint>
 
@@ -107,16 +108,21 @@ namespace detail {
 /// Grid around the points x[vertices].
 template <class Exec>
 MortonGrid grid_around(Exec& exec, View<const int> vertices, View<const Vec3d> x) {
+    Later low[3];
+    Later high[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = exec.min_later("contact/grid_low", vertices.size, [=] NOLI_HD(int i) {
+            return x[vertices[i]][axis];
+        });
+        high[axis] = exec.max_later("contact/grid_high",
+                                    vertices.size,
+                                    [=] NOLI_HD(int i) { return x[vertices[i]][axis]; });
+    }
     Vec3d lo{};
     double extent = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
-        lo[axis] = exec.min("contact/grid_low", vertices.size, [=] NOLI_HD(int i) {
-            return x[vertices[i]][axis];
-        });
-        const double hi = -exec.min("contact/grid_high",
-                                    vertices.size,
-                                    [=] NOLI_HD(int i) { return -x[vertices[i]][axis]; });
-        extent = std::fmax(extent, hi - lo[axis]);
+        lo[axis] = exec.value(low[axis]);
+        extent = std::fmax(extent, exec.value(high[axis]) - lo[axis]);
     }
     return {lo, extent > 0.0 ? kMortonCells / extent : 0.0};
 }

@@ -14,6 +14,7 @@
 
 #include "contact/collision_mesh.hpp"
 #include "contact/reach.hpp"
+#include "exec/later.hpp"
 
 #include <cstdint>
 
@@ -58,49 +59,39 @@ void vertex_reaches(Exec& exec,
     });
 }
 
-/// Largest displacement plus largest travel, m; not a number if one is not.
+/// Largest distance of a vertex of the surface from the reference, m.
 template <class Exec>
-double largest_reach(Exec& exec,
-                     View<const int> vertices,
-                     View<const VertexReach> reaches) {
-    const double displaced =
-        exec.min("contact/largest_displaced", vertices.size, [=] NOLI_HD(int i) {
-            return -static_cast<double>(reaches[vertices[i]].displaced);
+Later largest_displacement(Exec& exec,
+                           View<const int> vertices,
+                           View<const Vec3d> reference,
+                           View<const Vec3d> x) {
+    return exec.max_later(
+        "contact/largest_displacement", vertices.size, [=] NOLI_HD(int i) {
+            return norm(x[vertices[i]] - reference[vertices[i]]);
         });
-    const double travels =
-        exec.min("contact/largest_travels", vertices.size, [=] NOLI_HD(int i) {
-            return -static_cast<double>(reaches[vertices[i]].travels);
-        });
-    return -displaced - travels;
 }
 
-/// Largest distance that a vertex of the surface travels, m.
+/// Largest |p| of a vertex of the surface, m; 0 where p is empty.
 template <class Exec>
-double largest_travel(Exec& exec, View<const int> vertices, Motion motion) {
-    if (motion.p.size == 0 || vertices.size == 0) return 0.0;
-    const double sq =
-        -exec.min("contact/largest_travel", vertices.size, [=] NOLI_HD(int i) {
-            return -norm_sq(motion.p[vertices[i]]);
-        });
-    return motion.alpha * std::sqrt(sq);
+Later largest_travel(Exec& exec, View<const int> vertices, View<const Vec3d> p) {
+    return exec.max_later("contact/largest_travel",
+                          p.size > 0 ? vertices.size : 0,
+                          [=] NOLI_HD(int i) { return norm(p[vertices[i]]); });
 }
 
 /// Largest coordinate of a vertex of the surface, m.
 template <class Exec>
-double largest_coordinate(Exec& exec, View<const int> vertices, View<const Vec3d> x) {
-    if (vertices.size == 0) return 0.0;
-    return -exec.min("contact/largest_coordinate", vertices.size, [=] NOLI_HD(int i) {
-        return -max_abs(x[vertices[i]]);
-    });
+Later largest_coordinate(Exec& exec, View<const int> vertices, View<const Vec3d> x) {
+    return exec.max_later("contact/largest_coordinate",
+                          vertices.size,
+                          [=] NOLI_HD(int i) { return max_abs(x[vertices[i]]); });
 }
 
 template <class Exec>
-double mean_edge_length(Exec& exec, View<const double> length_sq) {
-    if (length_sq.size == 0) return 0.0;
-    const double sum = exec.sum("contact/edge_lengths",
-                                length_sq.size,
-                                [=] NOLI_HD(int e) { return std::sqrt(length_sq[e]); });
-    return sum / length_sq.size;
+Later sum_of_lengths(Exec& exec, View<const double> length_sq) {
+    return exec.sum_later("contact/edge_lengths", length_sq.size, [=] NOLI_HD(int e) {
+        return std::sqrt(length_sq[e]);
+    });
 }
 
 /// A distance that is surely not above the true one, as a float.

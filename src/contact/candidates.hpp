@@ -120,18 +120,40 @@ class BroadPhase {
         edge_length_ = -1.0;
     }
 
-    /// See find_candidates.
+    /// Starts to look how far the vertices have moved and will move along p (empty: not
+    /// at all), for a call of `find` with these arrays.
+    void look_along(Exec& exec,
+                    const DeviceCollisionMesh<Exec>& mesh,
+                    View<const Vec3d> x,
+                    View<const Vec3d> p) {
+        const CollisionMeshView m = mesh.view();
+        reach_.travel = detail::largest_travel(exec, m.vertices, p);
+        reach_.coordinate = detail::largest_coordinate(exec, m.vertices, x);
+        if (pooled_)
+            reach_.displaced = detail::largest_displacement(
+                exec, m.vertices, View<const Vec3d>(reference_.view()), x);
+        if (edge_length_ < 0.0)
+            reach_.edge_lengths = detail::sum_of_lengths(exec, m.edge_rest_sq);
+    }
+
+    /// See find_candidates. Call look_along before, with the same arrays.
     void find(Exec& exec,
               const DeviceCollisionMesh<Exec>& mesh,
               const Motion& motion,
               double gap,
               Candidates<Exec>& out) {
         const CollisionMeshView m = mesh.view();
+        const detail::VertexPlaneSearch planes{m, motion, gap};
+        const Later num_planes = count_planes(exec, planes);
         if (motion.p.size > 0)
             find_pairs_of<MovingBox>(exec, m, motion, gap, out);
         else
             find_pairs_of<StaticBox>(exec, m, motion, gap, out);
-        find_planes(exec, m, motion, gap, out);
+        out.vertex_plane.resize(static_cast<int>(exec.value(num_planes)));
+        detail::write_planes(exec,
+                             planes,
+                             View<const int>(plane_offsets_.view()),
+                             out.vertex_plane.view());
     }
 
   private:
@@ -142,6 +164,14 @@ class BroadPhase {
         BvhBoxes<Exec, Box, Int2> edges;
     };
 
+    /// Largest of all vertices, m.
+    struct Reach {
+        Later displaced;  ///< from the pool's reference
+        Later travel;     ///< along all of p
+        Later coordinate;
+        Later edge_lengths;  ///< sum over the edges
+    };
+
     template <class Box>
     void find_pairs_of(Exec& exec,
                        const CollisionMeshView& m,
@@ -149,11 +179,12 @@ class BroadPhase {
                        double gap,
                        Candidates<Exec>& out) {
         bool pooled = covers(exec, m, motion, gap);
-        if (pooled) policy_.used();
-        if (!pooled && renew_pool(exec, m, motion, gap))
-            pooled = covers(exec, m, motion, gap);
         if (pooled)
-            keep_close<Box>(exec, {m, motion, gap, reaches_.view()}, out);
+            policy_.used();
+        else
+            pooled = renew_pool(exec, m, motion, gap);
+        if (pooled)
+            keep_close<Box>(exec, m, motion, gap, out);
         else
             search<Box>(exec,
                         m,
@@ -164,20 +195,10 @@ class BroadPhase {
                         out);
     }
 
-    /// A pool for this motion and what comes after it, if that seems worth it.
-    bool renew_pool(Exec& exec,
-                    const CollisionMeshView& m,
-                    const Motion& motion,
-                    double gap) {
-        if (pooled_) policy_.missed();
-        pooled_ = false;
-        if (edge_length_ < 0.0)
-            edge_length_ = detail::mean_edge_length(exec, m.edge_rest_sq);
-        const double travel = detail::largest_travel(exec, m.vertices, motion);
-        const double margin = policy_.margin_for(travel, gap, edge_length_);
-        if (!(margin > travel)) return false;
-        fill_pool(exec, m, motion.x, gap, margin);
-        return true;
+    /// How far a vertex travels at most, m, rounded up.
+    double largest_travel(Exec& exec, const Motion& motion) {
+        if (motion.p.size == 0) return 0.0;
+        return detail::reach_up(motion.alpha * exec.value(reach_.travel));
     }
 
     /// Whether the pool holds all pairs of that query.
@@ -186,15 +207,28 @@ class BroadPhase {
                 const Motion& motion,
                 double gap) {
         if (!pooled_ || gap != range_.gap || m.vertices.size == 0) return false;
-        reaches_.resize(motion.x.size);
-        detail::vertex_reaches(exec,
-                               m.vertices,
-                               View<const Vec3d>(reference_.view()),
-                               motion,
-                               reaches_.view());
-        return detail::largest_reach(
-                   exec, m.vertices, View<const VertexReach>(reaches_.view()))
+        return detail::reach_up(exec.value(reach_.displaced))
+                 + largest_travel(exec, motion)
             <= range_.margin;
+    }
+
+    /// A pool that covers this motion and what comes after it, if that seems worth it.
+    bool renew_pool(Exec& exec,
+                    const CollisionMeshView& m,
+                    const Motion& motion,
+                    double gap) {
+        if (pooled_) policy_.missed();
+        pooled_ = false;
+        if (m.vertices.size == 0) return false;
+        if (edge_length_ < 0.0)
+            edge_length_ = m.edge_rest_sq.size == 0
+                             ? 0.0
+                             : exec.value(reach_.edge_lengths) / m.edge_rest_sq.size;
+        const double travel = largest_travel(exec, motion);
+        const double margin = policy_.margin_for(travel, gap, edge_length_);
+        if (!(margin > travel)) return false;
+        fill_pool(exec, m, motion.x, gap, margin);
+        return true;
     }
 
     /// A pool around x.
@@ -207,7 +241,7 @@ class BroadPhase {
         exec.copy(x, reference_.view());
         const View<const Vec3d> reference = reference_.view();
         constexpr double kRounding = 1e-5;  // above those of reach.hpp and of floats
-        const double extent = detail::largest_coordinate(exec, m.vertices, reference);
+        const double extent = exec.value(reach_.coordinate);
         range_ = {margin, gap, kRounding * (2.0 * extent + gap + margin)};
         const Motion still{reference, {}, 0.0};
         const double near = range_.distance();
@@ -240,19 +274,28 @@ class BroadPhase {
 
     /// The pairs of the pool that the motion brings close.
     template <class Box>
-    void keep_close(Exec& exec, const detail::PoolQuery& query, Candidates<Exec>& out) {
-        detail::keep_pairs(exec,
-                           View<const Int2>(pool_.vertex_triangle.view()),
-                           View<const float>(vertex_triangle_distance_.view()),
-                           detail::PooledVertexTriangle<Box>{query},
-                           keep_work_,
-                           out.vertex_triangle);
-        detail::keep_pairs(exec,
-                           View<const Int2>(pool_.edge_edge.view()),
-                           View<const float>(edge_edge_distance_.view()),
-                           detail::PooledEdgeEdge<Box>{query},
-                           keep_work_,
-                           out.edge_edge);
+    void keep_close(Exec& exec,
+                    const CollisionMeshView& m,
+                    const Motion& motion,
+                    double gap,
+                    Candidates<Exec>& out) {
+        reaches_.resize(motion.x.size);
+        detail::vertex_reaches(exec,
+                               m.vertices,
+                               View<const Vec3d>(reference_.view()),
+                               motion,
+                               reaches_.view());
+        const detail::PoolQuery query{m, motion, gap, reaches_.view()};
+        vertex_triangle_filter_.start(exec,
+                                      View<const Int2>(pool_.vertex_triangle.view()),
+                                      View<const float>(vertex_triangle_distance_.view()),
+                                      detail::PooledVertexTriangle<Box>{query});
+        edge_edge_filter_.start(exec,
+                                View<const Int2>(pool_.edge_edge.view()),
+                                View<const float>(edge_edge_distance_.view()),
+                                detail::PooledEdgeEdge<Box>{query});
+        vertex_triangle_filter_.finish(exec, out.vertex_triangle);
+        edge_edge_filter_.finish(exec, out.edge_edge);
     }
 
     /// All pairs whose boxes, grown by box_gap, overlap and which the tests accept.
@@ -271,56 +314,71 @@ class BroadPhase {
         // Both edges of a pair grow by half of the gap: the tree is searched with itself.
         trees.edges.refit(exec, edges_, motion, 0.5 * box_gap);
 
-        const auto vertices = trees.vertices.view(vertices_);
-        const auto triangles = trees.triangles.view(triangles_);
         const auto edges = trees.edges.view(edges_);
-        detail::find_tree_pairs(
-            exec, vertices, triangles, vertex_triangle, work_, out.vertex_triangle);
+        const auto near_triangles = detail::tree_search(exec,
+                                                        trees.vertices.view(vertices_),
+                                                        trees.triangles.view(triangles_),
+                                                        vertex_triangle);
+        const auto near_edges = detail::tree_search(exec, edges, edges, edge_edge);
+        vertex_triangle_pairs_.start(exec, near_triangles, out.vertex_triangle.size());
+        edge_edge_pairs_.start(exec, near_edges, out.edge_edge.size());
+        vertex_triangle_pairs_.finish(exec, near_triangles, out.vertex_triangle);
         detail::name_first(exec, m.vertices, out.vertex_triangle.view());
-        detail::find_tree_pairs(exec, edges, edges, edge_edge, work_, out.edge_edge);
+        edge_edge_pairs_.finish(exec, near_edges, out.edge_edge);
     }
 
-    void find_planes(Exec& exec,
-                     const CollisionMeshView& m,
-                     const Motion& motion,
-                     double gap,
-                     Candidates<Exec>& out) {
-        const int n = m.planes.size > 0 ? m.vertices.size : 0;
-        const detail::VertexPlaneSearch planes{m, motion, gap};
-        work_.counts.resize(n);
-        work_.offsets.resize(n + 1);
-        detail::count_planes(exec, planes, work_.counts.view());
-        out.vertex_plane.resize(
-            exec.scan("contact/scan_planes", work_.counts.view(), work_.offsets.view()));
-        detail::write_planes(
-            exec, planes, View<const int>(work_.offsets.view()), out.vertex_plane.view());
+    Later count_planes(Exec& exec, const detail::VertexPlaneSearch& planes) {
+        const int n = planes.mesh.planes.size > 0 ? planes.mesh.vertices.size : 0;
+        plane_counts_.resize(n);
+        plane_offsets_.resize(n + 1);
+        detail::count_planes(exec, planes, plane_counts_.view());
+        return exec.scan_later("contact/scan_planes",
+                               View<const int>(plane_counts_.view()),
+                               plane_offsets_.view());
     }
 
     BvhOrder<Exec, int> vertices_;
     BvhOrder<Exec, Int3> triangles_;
     BvhOrder<Exec, Int2> edges_;
     std::tuple<Trees<StaticBox>, Trees<MovingBox>> trees_;
-    detail::PairWork<Exec> work_;
+    detail::TreePairs<Exec> vertex_triangle_pairs_, edge_edge_pairs_;
+    typename Exec::template Buffer<int> plane_counts_, plane_offsets_;
     bool sorted_ = false;
 
     Candidates<Exec> pool_;  ///< its planes stay empty
     PoolRange range_{};
+    Reach reach_;
     typename Exec::template Buffer<Vec3d> reference_;
     typename Exec::template Buffer<VertexReach> reaches_;
     typename Exec::template Buffer<float> vertex_triangle_distance_, edge_edge_distance_;
     bool pooled_ = false;
     PoolPolicy policy_;
     double edge_length_ = -1.0;  ///< mean, m; negative: not known yet
-    detail::KeepWork<Exec> keep_work_;
+    detail::PairFilter<Exec> vertex_triangle_filter_, edge_edge_filter_;
 };
 
 /// Every pair of primitives whose distance gets below `inflation` at some time of the
 /// motion x + t p, t in [0, alpha], and some that stay a little farther: those whose
 /// boxes do not. Left out: pairs that share a vertex, pairs of kinematic vertices alone,
-/// disabled body pairs.
+/// disabled body pairs. broad_phase.look_along(exec, mesh, x, p) has been called.
 ///
 /// In:   x (num_vertices) m, p (num_vertices) m or empty for a static query, inflation >=
 /// 0 in m Out:  sorted lists, equal for every executor, thread count and age of the trees
+template <class Exec>
+void find_candidates_seen(Exec& exec,
+                          const DeviceCollisionMesh<Exec>& mesh,
+                          BroadPhase<Exec>& broad_phase,
+                          View<const Vec3d> x,
+                          View<const Vec3d> p,
+                          double alpha,
+                          double inflation,
+                          Candidates<Exec>& out) {
+    // Room for the rounding of x + alpha p and of differences of coordinates.
+    const double gap = inflation * (1.0 + 1e-6);
+    broad_phase.find(exec, mesh, Motion{x, p, alpha}, gap, out);
+}
+
+/// The same, looking along the motion first.
 template <class Exec>
 void find_candidates(Exec& exec,
                      const DeviceCollisionMesh<Exec>& mesh,
@@ -330,9 +388,8 @@ void find_candidates(Exec& exec,
                      double alpha,
                      double inflation,
                      Candidates<Exec>& out) {
-    // Room for the rounding of x + alpha p and of differences of coordinates.
-    const double gap = inflation * (1.0 + 1e-6);
-    broad_phase.find(exec, mesh, Motion{x, p, alpha}, gap, out);
+    broad_phase.look_along(exec, mesh, x, p);
+    find_candidates_seen(exec, mesh, broad_phase, x, p, alpha, inflation, out);
 }
 
 }  // namespace noli

@@ -224,7 +224,7 @@ class IntersectionCheck {
     BvhBoxes<Exec, StaticBox, Int2> edge_boxes_;
     BvhBoxes<Exec, StaticBox, Int3> triangle_boxes_;
     BvhBoxes<Exec, StaticBox, int> point_boxes_;
-    detail::PairWork<Exec> work_;
+    detail::TreePairs<Exec> work_;
     typename Exec::template Buffer<Int2> pairs_;
 };
 

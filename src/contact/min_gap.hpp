@@ -115,6 +115,12 @@ void pair_distances(Exec& exec,
 }
 
 template <class Exec>
+Later smallest_of(Exec& exec, View<const double> values) {
+    return exec.min_later(
+        "contact/smallest_of", values.size, [=] NOLI_HD(int i) { return values[i]; });
+}
+
+template <class Exec>
 double first_place_of(Exec& exec, double value, View<const double> values) {
     return exec.min("contact/first_place_of", values.size, [=] NOLI_HD(int i) {
         return values[i] == value ? double(i) : INFINITY;
@@ -130,6 +136,19 @@ void name_pair(Exec& exec, PairSetReader pairs, int i, View<MinGap> out) {
 
 }  // namespace detail
 
+/// Smallest distance of the pairs at positions x, m; +infinity without pairs.
+template <class Exec>
+Later smallest_gap_later(Exec& exec,
+                         const DeviceCollisionMesh<Exec>& mesh,
+                         const PairSet<Exec>& pairs,
+                         View<const Vec3d> x,
+                         MinGapWork<Exec>& work) {
+    const detail::PairSetReader reader = detail::reader_of(mesh, pairs);
+    work.distances.resize(reader.size());
+    detail::pair_distances(exec, reader, x, work.distances.view());
+    return detail::smallest_of(exec, View<const double>(work.distances.view()));
+}
+
 /// Smallest distance of the pairs at positions x and the first pair that has it. A NaN
 /// distance gives gap NaN and kind None.
 template <class Exec>
@@ -139,13 +158,10 @@ MinGap min_gap(Exec& exec,
                View<const Vec3d> x,
                MinGapWork<Exec>& work) {
     const detail::PairSetReader reader = detail::reader_of(mesh, pairs);
-    work.distances.resize(reader.size());
+    const double gap = exec.value(smallest_gap_later(exec, mesh, pairs, x, work));
+    const double first =
+        detail::first_place_of(exec, gap, View<const double>(work.distances.view()));
     work.closest.resize(1);
-    const View<const double> distances = work.distances.view();
-    detail::pair_distances(exec, reader, x, work.distances.view());
-    const double gap = exec.min(
-        "contact/min_gap", distances.size, [=] NOLI_HD(int i) { return distances[i]; });
-    const double first = detail::first_place_of(exec, gap, distances);
     if (!(first < INFINITY)) return {gap, MinGap::Kind::None, {{-1, -1, -1, -1}}};
     detail::name_pair(exec, reader, static_cast<int>(first), work.closest.view());
     MinGap closest = exec.read(View<const MinGap>(work.closest.view()), 0);

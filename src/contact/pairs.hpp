@@ -11,8 +11,10 @@
 /// that is how the barrier counts them. Source: MATH 9, 3.1.
 
 #include "contact/candidates.hpp"
+#include "exec/later.hpp"
 #include "geometry/closest_feature.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -232,13 +234,16 @@ void count_lists(Exec& exec,
     });
 }
 
-/// starts[list] = first place of the list in the scan over all lists; one more for the
-/// end.
+/// First place of each list in the scan over all lists; one more for the end.
 template <class Exec>
-void list_starts(Exec& exec, View<const int> offsets, int num_chunks, View<int> starts) {
-    exec.for_each("contact/list_starts", starts.size, [=] NOLI_HD(int list) {
-        starts[list] = offsets[list * num_chunks];
-    });
+std::array<Later, kNumPairLists + 1> list_starts(Exec& exec,
+                                                 View<const int> offsets,
+                                                 int num_chunks) {
+    return exec.template numbers_later<kNumPairLists + 1>(
+        "contact/list_starts", [=] NOLI_HD(double* to) {
+            for (int list = 0; list <= kNumPairLists; ++list)
+                to[list] = offsets[list * num_chunks];
+        });
 }
 
 template <class Exec>
@@ -268,7 +273,6 @@ struct FindPairsWork {
     typename Exec::template Buffer<std::uint16_t> codes;
     typename Exec::template Buffer<int> counts;
     typename Exec::template Buffer<int> offsets;
-    typename Exec::template Buffer<int> starts;
 };
 
 /// The candidates that are closer than dhat (m) at positions x, by kind. An edge-edge
@@ -286,20 +290,18 @@ void find_pairs(Exec& exec,
     work.codes.resize(view.size());
     work.counts.resize(detail::kNumPairLists * num_chunks);
     work.offsets.resize(detail::kNumPairLists * num_chunks + 1);
-    work.starts.resize(detail::kNumPairLists + 1);
     const View<const std::uint16_t> codes = work.codes.view();
     const View<const int> offsets = work.offsets.view();
     detail::classify_candidates(exec, view, x, dhat, work.codes.view());
     detail::count_lists(exec, codes, num_chunks, work.counts.view());
-    exec.scan(
-        "contact/scan_lists", View<const int>(work.counts.view()), work.offsets.view());
-    detail::list_starts(exec, offsets, num_chunks, work.starts.view());
-
-    std::vector<int> starts;
-    exec.download(View<const int>(work.starts.view()), starts);
+    exec.scan_then("contact/scan_lists",
+                   View<const int>(work.counts.view()),
+                   work.offsets.view(),
+                   nullptr);
+    const auto starts = detail::list_starts(exec, offsets, num_chunks);
     const auto size_of = [&](detail::PairList list) {
         const std::size_t k = static_cast<std::size_t>(list);
-        return starts[k + 1] - starts[k];
+        return static_cast<int>(exec.value(starts[k + 1]) - exec.value(starts[k]));
     };
     out.pp.resize(size_of(detail::PairList::PP));
     out.pe.resize(size_of(detail::PairList::PE));

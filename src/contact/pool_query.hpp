@@ -165,33 +165,41 @@ void write_kept(Exec& exec,
     });
 }
 
-/// Buffers of keep_pairs, kept between calls.
+/// The choice of some pairs of a list, and its buffers, kept between choices.
 template <class Exec>
-struct KeepWork {
-    typename Exec::template Buffer<std::uint8_t> keep;
-    typename Exec::template Buffer<int> counts, offsets;
-};
+class PairFilter {
+  public:
+    /// Looks which pairs the test accepts.
+    template <class Test>
+    void start(Exec& exec,
+               View<const Int2> pairs,
+               View<const float> distances,
+               const Test& test) {
+        const int num_chunks = (pairs.size + kPoolChunk - 1) / kPoolChunk;
+        pairs_ = pairs;
+        keep_.resize(pairs.size);
+        counts_.resize(num_chunks);
+        offsets_.resize(num_chunks + 1);
+        mark_kept(exec, pairs, distances, test, keep_.view(), counts_.view());
+        total_ = exec.scan_later(
+            "contact/scan_kept", View<const int>(counts_.view()), offsets_.view());
+    }
 
-/// out = the pairs that the test accepts, in their order.
-template <class Exec, class Test>
-void keep_pairs(Exec& exec,
-                View<const Int2> pairs,
-                View<const float> distances,
-                const Test& test,
-                KeepWork<Exec>& work,
-                typename Exec::template Buffer<Int2>& out) {
-    const int num_chunks = (pairs.size + kPoolChunk - 1) / kPoolChunk;
-    work.keep.resize(pairs.size);
-    work.counts.resize(num_chunks);
-    work.offsets.resize(num_chunks + 1);
-    mark_kept(exec, pairs, distances, test, work.keep.view(), work.counts.view());
-    out.resize(exec.scan(
-        "contact/scan_kept", View<const int>(work.counts.view()), work.offsets.view()));
-    write_kept(exec,
-               pairs,
-               View<const std::uint8_t>(work.keep.view()),
-               View<const int>(work.offsets.view()),
-               out.view());
-}
+    /// out = those pairs, in their order. Waits.
+    void finish(Exec& exec, typename Exec::template Buffer<Int2>& out) {
+        out.resize(static_cast<int>(exec.value(total_)));
+        write_kept(exec,
+                   pairs_,
+                   View<const std::uint8_t>(keep_.view()),
+                   View<const int>(offsets_.view()),
+                   out.view());
+    }
+
+  private:
+    View<const Int2> pairs_;
+    typename Exec::template Buffer<std::uint8_t> keep_;
+    typename Exec::template Buffer<int> counts_, offsets_;
+    Later total_;
+};
 
 }  // namespace noli::detail

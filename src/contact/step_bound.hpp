@@ -11,8 +11,10 @@
 /// Source: MATH 8.5 (pairs), MATH 6 (half-spaces).
 
 #include "contact/candidates.hpp"
+#include "exec/later.hpp"
 #include "geometry/ccd.hpp"
 
+#include <array>
 #include <cmath>
 
 namespace noli {
@@ -34,7 +36,6 @@ struct StepBound {
 template <class Exec>
 struct StepBoundWork {
     typename Exec::template Buffer<Advance> advances;
-    typename Exec::template Buffer<Int4> vertices;
 };
 
 namespace detail {
@@ -72,10 +73,17 @@ struct CandidateMotion {
         const Int2& pair = vertex_plane[i - edge_edge.size];
         return {pair[0], pair[1], -1, -1};
     }
+    /// First candidate of a list.
+    [[nodiscard]] int begin_of(StepBound::Limit list) const {
+        if (list == StepBound::Limit::VertexTriangle) return 0;
+        if (list == StepBound::Limit::EdgeEdge) return vertex_triangle.size;
+        return vertex_triangle.size + edge_edge.size;
+    }
+    /// Of candidate i, which is from List.
+    template <StepBound::Limit List>
     [[nodiscard]] NOLI_HD Advance advance(int i, double t_max) const {
         const Int4 v = vertices_of(i);
-        const StepBound::Limit list = list_of(i);
-        if (list == StepBound::Limit::Plane) {
+        if constexpr (List == StepBound::Limit::Plane) {
             const CollisionMesh::Plane& plane = mesh.planes[v[1]];
             const double distance =
                 plane_distance(plane, x[v[0]]) - params.min_separation;
@@ -84,7 +92,7 @@ struct CandidateMotion {
         }
         const Stencil<4> from{{x[v[0]], x[v[1]], x[v[2]], x[v[3]]}};
         const Stencil<4> along{{p[v[0]], p[v[1]], p[v[2]], p[v[3]]}};
-        if (list == StepBound::Limit::VertexTriangle)
+        if constexpr (List == StepBound::Limit::VertexTriangle)
             return advance_point_triangle(from, along, t_max, params);
         return advance_edge_edge(from, along, t_max, params);
     }
@@ -103,59 +111,129 @@ struct Sample {
     int done_stride;
 };
 
-/// Advances the candidates of a sample and returns the smallest bound so far, t_max
-/// without one.
-template <class Exec>
-double advance_sample(Exec& exec,
-                      CandidateMotion motion,
-                      Sample sample,
-                      double t_max,
-                      View<Advance> advances) {
-    const int n = (motion.size() + sample.stride - 1) / sample.stride;
+/// The end of a motion that is shortened while it is looked at: the smallest bound so
+/// far, at `limit` in the memory of the executor (nullptr: none yet), and no more than
+/// alpha.
+struct MotionEnd {
+    double alpha;
+    const double* limit;
+
+    [[nodiscard]] NOLI_HD double now() const {
+        return limit == nullptr ? alpha : std::fmin(*limit, alpha);
+    }
+};
+
+/// The candidates of a sample that are in [begin, end) and from List. Where nothing is
+/// left of the motion, nothing more can limit it.
+template <StepBound::Limit List, class Exec>
+void advance_list(Exec& exec,
+                  CandidateMotion motion,
+                  Sample sample,
+                  int begin,
+                  int end,
+                  MotionEnd motion_end,
+                  View<Advance> advances) {
+    const int first = (begin + sample.stride - 1) / sample.stride;
+    const int last = (end + sample.stride - 1) / sample.stride;
     exec.for_each(
-        "contact/advance_sample",
-        n,
+        "contact/advance_list",
+        last - first,
         [=] NOLI_HD(int k) {
-            const int i = k * sample.stride;
-            if (sample.done_stride == 0 || i % sample.done_stride != 0)
-                advances[i] = motion.advance(i, t_max);
+            const int i = (first + k) * sample.stride;
+            if (sample.done_stride != 0 && i % sample.done_stride == 0) return;
+            const double t_max = motion_end.now();
+            advances[i] = t_max > 0.0 ? motion.template advance<List>(i, t_max)
+                                      : Advance{t_max, 0, false, AdvanceEnd::Free};
         },
         16);
-    const double limit = exec.min("contact/smallest_bound", n, [=] NOLI_HD(int k) {
+}
+
+/// Advances the candidates of a sample, one loop per list: on a GPU a matter of
+/// registers. The number is the smallest bound so far, infinite without one.
+template <class Exec>
+Later advance_sample(Exec& exec,
+                     CandidateMotion motion,
+                     Sample sample,
+                     MotionEnd end,
+                     View<Advance> advances) {
+    using List = StepBound::Limit;
+    const int edge_edge = motion.begin_of(List::EdgeEdge);
+    const int plane = motion.begin_of(List::Plane);
+    advance_list<List::VertexTriangle>(exec, motion, sample, 0, edge_edge, end, advances);
+    advance_list<List::EdgeEdge>(exec, motion, sample, edge_edge, plane, end, advances);
+    advance_list<List::Plane>(exec, motion, sample, plane, motion.size(), end, advances);
+    const int n = (motion.size() + sample.stride - 1) / sample.stride;
+    return exec.min_later("contact/smallest_bound", n, [=] NOLI_HD(int k) {
         return limit_of(advances[k * sample.stride]);
     });
-    return std::fmin(limit, t_max);
 }
 
-/// First candidate of the sample with this bound; -1 if none has it.
+/// First candidate that ends the motion; infinite if none does.
 template <class Exec>
-int first_with_limit(Exec& exec, double limit, int stride, View<const Advance> advances) {
-    const int n = (advances.size + stride - 1) / stride;
-    const double first = exec.min("contact/first_with_limit", n, [=] NOLI_HD(int k) {
-        return limit_of(advances[k * stride]) == limit ? double(k) : INFINITY;
+Later first_with_limit(Exec& exec, MotionEnd end, View<const Advance> advances) {
+    return exec.min_later("contact/first_with_limit", advances.size, [=] NOLI_HD(int i) {
+        return limit_of(advances[i]) == end.now() ? double(i) : INFINITY;
     });
-    return first < INFINITY ? static_cast<int>(first) * stride : -1;
 }
 
-/// First vertex with a NaN or infinity in x or p, which no box would find; -1 if all are
-/// finite.
+/// First vertex with a NaN or infinity in x or p, which no box would find; infinite if
+/// all are finite.
 template <class Exec>
-int first_not_finite(Exec& exec, View<const Vec3d> x, View<const Vec3d> p) {
-    const double first = exec.min("contact/first_not_finite", x.size, [=] NOLI_HD(int i) {
+Later first_not_finite(Exec& exec, View<const Vec3d> x, View<const Vec3d> p) {
+    return exec.min_later("contact/first_not_finite", x.size, [=] NOLI_HD(int i) {
         double zero = 0.0;  // NaN as soon as a term is NaN or infinite
         for (int k = 0; k < 3; ++k)
             zero += 0.0 * x[i][k] + 0.0 * p[i][k];
         return zero == 0.0 ? INFINITY : double(i);
     });
-    return first < INFINITY ? static_cast<int>(first) : -1;
 }
 
-/// out[0] = vertices of candidate i
+/// Vertices of candidate *first, whether its advance was capped, why it ends.
 template <class Exec>
-void name_vertices(Exec& exec, CandidateMotion motion, int i, View<Int4> out) {
-    exec.for_each("contact/name_vertices", 1, [=] NOLI_HD(int /*only*/) {
-        out[0] = motion.vertices_of(i);
+std::array<Later, 6> limiting_candidate(Exec& exec,
+                                        CandidateMotion motion,
+                                        const double* first,
+                                        View<const Advance> advances) {
+    return exec.template numbers_later<6>("contact/name", [=] NOLI_HD(double* to) {
+        if (!(*first < INFINITY)) return;
+        const int i = static_cast<int>(*first);
+        const Int4 v = motion.vertices_of(i);
+        for (int k = 0; k < 4; ++k)
+            to[k] = v[k];
+        to[4] = advances[i].capped ? 1.0 : 0.0;
+        to[5] = static_cast<double>(advances[i].reason);
     });
+}
+
+/// The step bound of at least one candidate.
+template <class Exec>
+StepBound bound_of_candidates(Exec& exec,
+                              const CandidateMotion& motion,
+                              double alpha_max,
+                              StepBoundWork<Exec>& work) {
+    work.advances.resize(motion.size());
+    const View<Advance> advances = work.advances.view();
+    MotionEnd end{alpha_max, nullptr};
+    Later limit;
+    int done_stride = 0;
+    for (const int stride : {64, 8, 1}) {
+        limit = advance_sample(exec, motion, {stride, done_stride}, end, advances);
+        end.limit = exec.place(limit);
+        done_stride = stride;
+    }
+    const Later first = first_with_limit(exec, end, View<const Advance>(advances));
+    const auto name = limiting_candidate(
+        exec, motion, exec.place(first), View<const Advance>(advances));
+    const double alpha = std::fmin(exec.value(limit), alpha_max);
+    if (!(exec.value(first) < INFINITY))
+        return {
+            alpha, StepBound::Limit::None, {{-1, -1, -1, -1}}, false, AdvanceEnd::Free};
+    StepBound out{alpha, motion.list_of(static_cast<int>(exec.value(first))), {}, {}, {}};
+    for (int k = 0; k < 4; ++k)
+        out.vertices[k] = static_cast<int>(exec.value(name[static_cast<std::size_t>(k)]));
+    out.capped = exec.value(name[4]) != 0.0;
+    out.reason = static_cast<AdvanceEnd>(static_cast<int>(exec.value(name[5])));
+    return out;
 }
 
 }  // namespace detail
@@ -177,13 +255,7 @@ StepBound step_bound(Exec& exec,
                      double alpha_max,
                      const AdvanceParams& params,
                      StepBoundWork<Exec>& work) {
-    const int bad = detail::first_not_finite(exec, x, p);
-    if (bad >= 0)
-        return {0.0,
-                StepBound::Limit::NotFinite,
-                {{bad, -1, -1, -1}},
-                false,
-                AdvanceEnd::NotFinite};
+    const Later not_finite = detail::first_not_finite(exec, x, p);
     const detail::CandidateMotion motion{mesh.view(),
                                          candidates.vertex_triangle.view(),
                                          candidates.edge_edge.view(),
@@ -191,26 +263,18 @@ StepBound step_bound(Exec& exec,
                                          x,
                                          p,
                                          params};
-    work.advances.resize(motion.size());
-    work.vertices.resize(1);
-    const View<Advance> advances = work.advances.view();
-    const int strides[] = {0, 64, 8, 1};
-    double alpha = alpha_max;
-    int stride = 1;
-    for (int k = 1; k < 4 && alpha > 0.0; ++k) {
-        stride = strides[k];
-        alpha = detail::advance_sample(
-            exec, motion, {stride, strides[k - 1]}, alpha, advances);
-    }
-    const int i =
-        detail::first_with_limit(exec, alpha, stride, View<const Advance>(advances));
-    if (i < 0)
-        return {
-            alpha, StepBound::Limit::None, {{-1, -1, -1, -1}}, false, AdvanceEnd::Free};
-    detail::name_vertices(exec, motion, i, work.vertices.view());
-    const Advance limiting = exec.read(View<const Advance>(advances), i);
-    const Int4 vertices = exec.read(View<const Int4>(work.vertices.view()), 0);
-    return {alpha, motion.list_of(i), vertices, limiting.capped, limiting.reason};
+    constexpr Int4 kNobody{{-1, -1, -1, -1}};
+    StepBound out{alpha_max, StepBound::Limit::None, kNobody, false, AdvanceEnd::Free};
+    if (motion.size() > 0)
+        out = detail::bound_of_candidates(exec, motion, alpha_max, work);
+    const double bad = exec.value(not_finite);
+    if (bad < INFINITY)
+        return {0.0,
+                StepBound::Limit::NotFinite,
+                {{static_cast<int>(bad), -1, -1, -1}},
+                false,
+                AdvanceEnd::NotFinite};
+    return out;
 }
 
 }  // namespace noli

@@ -10,6 +10,7 @@
 /// at the end: the result does not depend on the order of the tree.
 
 #include "contact/bvh.hpp"
+#include "exec/later.hpp"
 
 #include <cstdint>
 
@@ -112,16 +113,6 @@ struct GroupSearch {
     }
 };
 
-/// Buffers of collect_pairs, kept between calls.
-template <class Exec>
-struct PairWork {
-    typename Exec::template Buffer<Int2> slots;
-    typename Exec::template Buffer<int> counts;
-    typename Exec::template Buffer<int> offsets;
-    typename Exec::template Buffer<std::uint64_t> keys;
-    typename Exec::template Buffer<int> places;
-};
-
 /// Slots of the groups, `per_group` each.
 struct SlotView {
     View<Int2> all;
@@ -173,71 +164,108 @@ void compact_groups(Exec& exec,
         kGroupGrain);
 }
 
-/// Sorts pairs by first, then second id.
 template <class Exec>
-void sort_pairs(Exec& exec, int num_second, PairWork<Exec>& work, View<Int2> pairs) {
-    int bits = 1;
-    while ((num_second - 1) >> bits > 0)
-        ++bits;
-    work.keys.resize(pairs.size);
-    work.places.resize(pairs.size);
-    const View<std::uint64_t> keys = work.keys.view();
-    const View<int> places = work.places.view();
+void pair_keys(Exec& exec,
+               int bits,
+               View<const Int2> pairs,
+               View<std::uint64_t> keys,
+               View<int> places) {
     exec.for_each("contact/pair_keys", pairs.size, [=] NOLI_HD(int i) {
         keys[i] = (static_cast<std::uint64_t>(pairs[i][0]) << bits)
                 | static_cast<std::uint64_t>(pairs[i][1]);
         places[i] = i;
     });
-    exec.sort_by_key("contact/sort_pairs", keys, places);
-    exec.for_each("contact/pair_keys", pairs.size, [=] NOLI_HD(int i) {
+}
+
+template <class Exec>
+void pairs_of_keys(Exec& exec,
+                   int bits,
+                   View<const std::uint64_t> keys,
+                   View<Int2> pairs) {
+    exec.for_each("contact/pairs_of_keys", pairs.size, [=] NOLI_HD(int i) {
         const std::uint64_t second = keys[i] & ((std::uint64_t{1} << bits) - 1);
         pairs[i] = {static_cast<int>(keys[i] >> bits), static_cast<int>(second)};
     });
 }
 
-/// All pairs of a search, sorted. num_second: the second ids are below it. The old size
-/// of `out` tells how many to expect.
-template <class Exec, class Search, class PairBuffer>
-void collect_pairs(Exec& exec,
-                   const Search& search,
-                   int num_groups,
-                   int num_second,
-                   PairWork<Exec>& work,
-                   PairBuffer& out) {
-    const int expected = num_groups > 0 ? 3 * (out.size() / num_groups) : 0;
-    const int per_group = expected < kFewestSlots
-                            ? kFewestSlots
-                            : (expected > kMostSlots ? kMostSlots : expected);
-    work.slots.resize(num_groups * per_group);
-    const SlotView slots{work.slots.view(), per_group};
-    work.counts.resize(num_groups);
-    work.offsets.resize(num_groups + 1);
-    search_groups(exec, search, num_groups, slots, work.counts.view());
-    const int total =
-        exec.scan("contact/scan_groups", work.counts.view(), work.offsets.view());
-    out.resize(total);
-    compact_groups(exec,
-                   search,
-                   num_groups,
-                   slots,
-                   View<const int>(work.offsets.view()),
-                   out.view());
-    sort_pairs(exec, num_second, work, out.view());
+/// The search of a tree, and its buffers, kept between searches: all pairs of primitives
+/// (query, target) that `test` accepts; their boxes overlap.
+template <class Exec>
+class TreePairs {
+  public:
+    /// Searches once. `expected`: about how many pairs there are.
+    template <class Search>
+    void start(Exec& exec, const Search& search, int expected) {
+        const int num_groups = search.queries.levels.num_leaves();
+        const int wanted = num_groups > 0 ? 3 * (expected / num_groups) : 0;
+        per_group_ = wanted < kFewestSlots ? kFewestSlots
+                                           : (wanted > kMostSlots ? kMostSlots : wanted);
+        slots_.resize(num_groups * per_group_);
+        counts_.resize(num_groups);
+        offsets_.resize(num_groups + 1);
+        search_groups(exec, search, num_groups, slots(), counts_.view());
+        total_ = exec.scan_later(
+            "contact/scan_groups", View<const int>(counts_.view()), offsets_.view());
+    }
+
+    /// out = the pairs of the search that was started, sorted by first, then second id.
+    /// Waits.
+    template <class Search>
+    void finish(Exec& exec,
+                const Search& search,
+                typename Exec::template Buffer<Int2>& out) {
+        out.resize(static_cast<int>(exec.value(total_)));
+        compact_groups(exec,
+                       search,
+                       search.queries.levels.num_leaves(),
+                       slots(),
+                       View<const int>(offsets_.view()),
+                       out.view());
+        sort(exec, search.targets.order.size, out.view());
+    }
+
+  private:
+    SlotView slots() { return {slots_.view(), per_group_}; }
+
+    void sort(Exec& exec, int num_second, View<Int2> pairs) {
+        int bits = 1;
+        while ((num_second - 1) >> bits > 0)
+            ++bits;
+        keys_.resize(pairs.size);
+        places_.resize(pairs.size);
+        pair_keys(exec, bits, View<const Int2>(pairs), keys_.view(), places_.view());
+        exec.sort_by_key("contact/sort_pairs", keys_.view(), places_.view());
+        pairs_of_keys(exec, bits, View<const std::uint64_t>(keys_.view()), pairs);
+    }
+
+    typename Exec::template Buffer<Int2> slots_;
+    typename Exec::template Buffer<int> counts_, offsets_;
+    typename Exec::template Buffer<std::uint64_t> keys_;
+    typename Exec::template Buffer<int> places_;
+    int per_group_ = kFewestSlots;
+    Later total_;
+};
+
+template <class Exec, class Box, class QueryIds, class TargetIds, class Test>
+GroupSearch<Exec::kIsDevice, Box, QueryIds, TargetIds, Test> tree_search(
+    const Exec& /*exec*/,
+    const BvhView<Box, QueryIds>& queries,
+    const BvhView<Box, TargetIds>& targets,
+    const Test& test) {
+    return {queries, targets, test};
 }
 
-/// All pairs of primitives (query, target) that `test` accepts, sorted; their boxes
-/// overlap.
+/// One search, started and finished. The old size of `out` tells how many to expect.
 template <class Exec, class Box, class QueryIds, class TargetIds, class Test>
 void find_tree_pairs(Exec& exec,
                      const BvhView<Box, QueryIds>& queries,
                      const BvhView<Box, TargetIds>& targets,
                      const Test& test,
-                     PairWork<Exec>& work,
+                     TreePairs<Exec>& work,
                      typename Exec::template Buffer<Int2>& out) {
-    const GroupSearch<Exec::kIsDevice, Box, QueryIds, TargetIds, Test> search{
-        queries, targets, test};
-    collect_pairs(
-        exec, search, queries.levels.num_leaves(), targets.order.size, work, out);
+    const auto search = tree_search(exec, queries, targets, test);
+    work.start(exec, search, out.size());
+    work.finish(exec, search, out);
 }
 
 }  // namespace noli::detail

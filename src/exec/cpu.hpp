@@ -7,6 +7,7 @@
 #include "core/view.hpp"
 #include "exec/buffer.hpp"
 #include "exec/lanes.hpp"
+#include "exec/later.hpp"
 #include "exec/team.hpp"
 
 #include <tbb/blocked_range.h>
@@ -101,7 +102,7 @@ struct ShuffledOrder {
 /// Runs kernels on the host. Reductions use a fixed partition, so results do not depend
 /// on the number of threads nor on the order of execution.
 template <class Order>
-class HostExec {
+class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
   public:
     template <class T>
     using Buffer = HostBuffer<T>;
@@ -146,8 +147,16 @@ class HostExec {
     /// g(f(0) + ... + f(n-1)), the bits of `sum`. g is part of the loop: it runs once,
     /// and on a device the sum does not come to the host.
     template <class F, class G>
-    void sum_then(const char* name, int n, F f, G g) {
-        g(sum(name, n, f));
+    void sum_then(const char* /*name*/, int n, F f, G g) {
+        g(reduce(n, 0.0, f, [](double a, double b) { return a + b; }));
+    }
+
+    /// g(smallest f(i)): +infinity when n is 0. A NaN anywhere gives NaN.
+    template <class F, class G>
+    void min_then(const char* /*name*/, int n, F f, G g) {
+        constexpr double kNone = std::numeric_limits<double>::infinity();
+        g(reduce(
+            n, kNone, f, [](double a, double b) { return (b < a || b != b) ? b : a; }));
     }
 
     /// Loops that run again and again without a word from the host between them.
@@ -163,24 +172,19 @@ class HostExec {
     /// Runs the loops of a recording once.
     void replay(Recording& from) { from(); }
 
-    /// Smallest f(i); +infinity when n is 0. A NaN anywhere gives NaN.
-    template <class F>
-    double min(const char* /*name*/, int n, F f) {
-        constexpr double kNone = std::numeric_limits<double>::infinity();
-        return reduce(
-            n, kNone, f, [](double a, double b) { return (b < a || b != b) ? b : a; });
-    }
-
     /// offsets[i] = counts[0] + ... + counts[i-1]; offsets has one item more than counts
-    /// and may not alias it. Returns the total.
-    int scan(const char* /*name*/, View<const int> counts, View<int> offsets) {
-        int total = 0;
+    /// and may not alias it. *total, in the executor's memory, becomes the sum, if given.
+    void scan_then(const char* /*name*/,
+                   View<const int> counts,
+                   View<int> offsets,
+                   double* total) {
+        int sum = 0;
         for (int i = 0; i < counts.size; ++i) {
-            offsets[i] = total;
-            total += counts[i];
+            offsets[i] = sum;
+            sum += counts[i];
         }
-        offsets[counts.size] = total;
-        return total;
+        offsets[counts.size] = sum;
+        if (total != nullptr) *total = sum;
     }
 
     /// Sorts keys and carries values along; equal keys keep their order.

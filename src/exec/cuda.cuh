@@ -63,7 +63,7 @@ struct CudaCounts {
 };
 
 /// Runs kernels on one CUDA stream.
-class CudaExec {
+class CudaExec : public LaterNumbers<CudaExec, CudaBuffer<double>> {
   public:
     template <class T>
     using Buffer = CudaBuffer<T>;
@@ -104,26 +104,15 @@ class CudaExec {
         return reduce(name, n, 0.0, detail::Add{}, f);
     }
 
-    template <class F>
-    double min(const char* name, int n, F f) {
-        return reduce(
-            name, n, std::numeric_limits<double>::infinity(), detail::Smaller{}, f);
+    template <class F, class G>
+    void sum_then(const char* name, int n, F f, G g) {
+        reduce_then(name, n, 0.0, detail::Add{}, f, g);
     }
 
     template <class F, class G>
-    void sum_then(const char* name, int n, F f, G g) {
-        const detail::CallWith<G> finish{g};
-        if (detail::reduce_blocks(n) == 1) {
-            launch_reduce(name, n, 0.0, detail::Add{}, f, finish);
-            return;
-        }
-        const int count = reduce_to_one_chunk(name, n, 0.0, detail::Add{}, f);
-        launch_reduce(name,
-                      count,
-                      0.0,
-                      detail::Add{},
-                      detail::ReadItem{scratch_->one.view().data},
-                      finish);
+    void min_then(const char* name, int n, F f, G g) {
+        constexpr double kNone = std::numeric_limits<double>::infinity();
+        reduce_then(name, n, kNone, detail::Smaller{}, f, g);
     }
 
     /// Loops of f as a CUDA graph. f has run before, so that all its kernels are loaded
@@ -158,9 +147,11 @@ class CudaExec {
         counts_.launches += from.launches_;
     }
 
-    int scan(const char* name, View<const int> counts, View<int> offsets) {
+    void scan_then(const char* name,
+                   View<const int> counts,
+                   View<int> offsets,
+                   double* total) {
         const int n = counts.size;
-        int total = 0;
         if (n > 0) {
             std::size_t bytes = 0;
             const auto scan_with = [&](void* temp) {
@@ -172,10 +163,8 @@ class CudaExec {
             temp_.resize(static_cast<int>(bytes));
             scan_with(temp_.view().data);
             launched(name);
-            total = read(View<const int>{offsets.data, n + 1}, n);
         }
-        check_cuda(cudaMemsetAsync(offsets.data, 0, sizeof(int), stream_), name);
-        return total;
+        for_each(name, 1, detail::CloseScan{offsets.data, n, total});
     }
 
     template <class Key>
@@ -219,7 +208,14 @@ class CudaExec {
     void download(View<const T> from, std::vector<T>& to) {
         to.resize(static_cast<std::size_t>(from.size));
         if (to.empty()) return;
-        move_bytes(to.data(), from.data, sizeof(T) * to.size(), cudaMemcpyDeviceToHost);
+        const std::size_t bytes = sizeof(T) * to.size();
+        if (bytes > kPinnedBytes) {
+            move_bytes(to.data(), from.data, bytes, cudaMemcpyDeviceToHost);
+            return;
+        }
+        void* pinned = pinned_.resize(kPinnedBytes);
+        move_bytes(pinned, from.data, bytes, cudaMemcpyDeviceToHost);
+        std::memcpy(static_cast<void*>(to.data()), pinned, bytes);
     }
     /// A download that does not wait: see CudaArrival::take.
     template <class T>
@@ -239,11 +235,9 @@ class CudaExec {
     }
     template <class T>
     T read(View<const T> from, int i) {
-        T host;
-        void* pinned = pinned_.resize(sizeof(T) > 256 ? sizeof(T) : 256);
-        move_bytes(pinned, from.data + i, sizeof(T), cudaMemcpyDeviceToHost);
-        std::memcpy(static_cast<void*>(&host), pinned, sizeof(T));
-        return host;
+        std::vector<T> host;
+        download(View<const T>{from.data + i, 1}, host);
+        return host[0];
     }
 
     /// Waits for all that was started.
@@ -251,6 +245,8 @@ class CudaExec {
     [[nodiscard]] const CudaCounts& counts() const { return counts_; }
 
   private:
+    static constexpr std::size_t kPinnedBytes = 8192;
+
     void launched(const char* name) {
         check_cuda(cudaGetLastError(), name);
         ++counts_.launches;
@@ -287,19 +283,20 @@ class CudaExec {
         return count;
     }
 
-    template <class Combine, class F>
-    double reduce(const char* name, int n, double start, Combine combine, F f) {
-        if (n == 0) return start;
+    template <class Combine, class F, class G>
+    void reduce_then(const char* name, int n, double start, Combine combine, F f, G g) {
+        const detail::CallWith<G> finish{g};
+        if (detail::reduce_blocks(n) == 1) {
+            launch_reduce(name, n, start, combine, f, finish);
+            return;
+        }
         const int count = reduce_to_one_chunk(name, n, start, combine, f);
-        if (count > 1)
-            launch_reduce(name,
-                          count,
-                          start,
-                          combine,
-                          detail::ReadItem{scratch_->one.view().data},
-                          detail::StoreItem{scratch_->other.view().data});
-        CudaBuffer<double>& last = count > 1 ? scratch_->other : scratch_->one;
-        return read(View<const double>{last.view().data, 1}, 0);
+        launch_reduce(name,
+                      count,
+                      start,
+                      combine,
+                      detail::ReadItem{scratch_->one.view().data},
+                      finish);
     }
 
     void move_bytes(void* to, const void* from, std::size_t bytes, cudaMemcpyKind how) {

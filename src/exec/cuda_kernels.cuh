@@ -73,6 +73,17 @@ struct CallWith {
     __device__ void operator()(int /*block*/, double value) const { g(value); }
 };
 
+/// The two ends of a scan: offsets[0], and offsets[n] as a number.
+struct CloseScan {
+    int* offsets;
+    int n;
+    double* total;
+    __device__ void operator()(int /*only*/) const {
+        offsets[0] = 0;
+        if (total != nullptr) *total = offsets[n];
+    }
+};
+
 /// Blocks of a reduction of n items; at least one.
 inline int reduce_blocks(int n) {
     return n <= kReduceChunk ? 1 : (n + kReduceChunk - 1) / kReduceChunk;

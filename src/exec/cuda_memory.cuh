@@ -4,6 +4,7 @@
 /// device goes on.
 
 #include "core/view.hpp"
+#include "exec/device_buffer.hpp"
 #include "exec/device_full.hpp"
 
 #include <cuda_runtime_api.h>
@@ -12,7 +13,6 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace noli {
@@ -24,68 +24,28 @@ inline void check_cuda(cudaError_t status, const char* what) {
     throw std::runtime_error(std::string(what) + ": " + cudaGetErrorString(status));
 }
 
-/// Memory of the device, uninitialised. Throws DeviceFull with the numbers.
-inline void* allocate_on_device(std::size_t bytes) {
-    void* out = nullptr;
-    const cudaError_t status = cudaMalloc(&out, bytes);
-    if (status == cudaErrorMemoryAllocation) {
-        cudaGetLastError();
-        std::size_t free = 0;
-        std::size_t total = 0;
-        check_cuda(cudaMemGetInfo(&free, &total), "ask for free device memory");
-        throw DeviceFull(bytes, free, total);
-    }
-    check_cuda(status, "allocate device memory");
-    return out;
-}
-
-/// Growable device array; contents are lost when it grows.
-template <class T>
-class CudaBuffer {
-  public:
-    CudaBuffer() = default;
-    ~CudaBuffer() { cudaFree(data_); }
-    CudaBuffer(const CudaBuffer&) = delete;
-    CudaBuffer& operator=(const CudaBuffer&) = delete;
-    CudaBuffer(CudaBuffer&& other) noexcept
-        : data_(std::exchange(other.data_, nullptr)),
-          size_(std::exchange(other.size_, 0)),
-          capacity_(std::exchange(other.capacity_, 0)) {}
-    CudaBuffer& operator=(CudaBuffer&& other) noexcept {
-        std::swap(data_, other.data_);
-        std::swap(size_, other.size_);
-        std::swap(capacity_, other.capacity_);
-        return *this;
-    }
-
-    /// After a failure the buffer is empty.
-    void resize(int n) {
-        if (n > capacity_) {
-            // Kernels that use the old memory may still run.
-            if (data_ != nullptr)
-                check_cuda(cudaDeviceSynchronize(), "wait before growing");
-            check_cuda(cudaFree(data_), "free device memory");
-            data_ = nullptr;
-            size_ = capacity_ = 0;
-            const int capacity = n + n / 4 + 64;
-            data_ = static_cast<T*>(
-                allocate_on_device(sizeof(T) * static_cast<std::size_t>(capacity)));
-            capacity_ = capacity;
+/// Memory of the device, see DeviceBuffer.
+struct CudaMemory {
+    static int room_for(int n) { return n + n / 4 + 64; }
+    static void settle() { check_cuda(cudaDeviceSynchronize(), "wait before growing"); }
+    static void* take(std::size_t bytes) {
+        void* out = nullptr;
+        const cudaError_t status = cudaMalloc(&out, bytes);
+        if (status == cudaErrorMemoryAllocation) {
+            cudaGetLastError();
+            std::size_t free = 0;
+            std::size_t total = 0;
+            check_cuda(cudaMemGetInfo(&free, &total), "ask for free device memory");
+            throw DeviceFull(bytes, free, total);
         }
-        size_ = n;
+        check_cuda(status, "allocate device memory");
+        return out;
     }
-    [[nodiscard]] int size() const { return size_; }
-    [[nodiscard]] std::size_t bytes() const {
-        return sizeof(T) * static_cast<std::size_t>(capacity_);
-    }
-    View<T> view() { return {data_, size_}; }
-    [[nodiscard]] View<const T> view() const { return {data_, size_}; }
-
-  private:
-    T* data_ = nullptr;
-    int size_ = 0;
-    int capacity_ = 0;
+    static void give_back(void* p, std::size_t /*bytes*/) { cudaFree(p); }
 };
+
+template <class T>
+using CudaBuffer = DeviceBuffer<T, CudaMemory>;
 
 /// Page-locked host memory: the device copies into it by itself.
 class CudaPinned {

@@ -4,6 +4,7 @@
 /// terms. Both triangles are stored, so that a product reads the blocks once, in order,
 /// and writes each row once.
 
+#include "exec/later.hpp"
 #include "linear/block_pattern.hpp"
 #include "linear/block_row.hpp"
 
@@ -75,12 +76,12 @@ void gather_diagonal(Exec& exec,
 }
 
 template <class Exec>
-double block_quadratic_form(Exec& exec,
-                            View<const int> row_begin,
-                            View<const int> col,
-                            View<const Mat3d> values,
-                            View<const Vec3d> x) {
-    return exec.sum("linear/quadratic_form", x.size, [=] NOLI_HD(int i) {
+Later block_quadratic_form(Exec& exec,
+                           View<const int> row_begin,
+                           View<const int> col,
+                           View<const Mat3d> values,
+                           View<const Vec3d> x) {
+    return exec.sum_later("linear/quadratic_form", x.size, [=] NOLI_HD(int i) {
         return dot(x[i],
                    block_row_product(values, col, x, row_begin[i], row_begin[i + 1]));
     });
@@ -148,8 +149,11 @@ class BlockMatrix {
     }
 
     /// xᵀ A x
-    double quadratic_form(Exec& exec, View<const Vec3d> x) const {
+    Later quadratic_form_later(Exec& exec, View<const Vec3d> x) const {
         return detail::block_quadratic_form(exec, row_begin(), col(), values(), x);
+    }
+    double quadratic_form(Exec& exec, View<const Vec3d> x) const {
+        return exec.value(quadratic_form_later(exec, x));
     }
 
     /// out[i] = A_ii

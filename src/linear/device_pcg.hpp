@@ -5,7 +5,7 @@
 ///
 /// The host queues iterations in batches, as one recording that is replayed, and looks at
 /// the state once per batch; iterations behind the last one do nothing. So a solve needs
-/// one small upload and a download per batch, whatever the number of iterations.
+/// one small download per batch, whatever the number of iterations.
 ///
 /// Runs on every executor; on those of the CPU it gives the bits of pcg.hpp with block
 /// Jacobi.
@@ -33,6 +33,12 @@ struct GuardedProductKernel {
         if (!state[0].skip) product(lane);
     }
 };
+
+/// The state travels with the loop: nobody waits for it.
+template <class Exec>
+void device_set_state(Exec& exec, const PcgState& from, View<PcgState> state) {
+    exec.for_each("linear/device_set_state", 1, [=] NOLI_HD(int) { state[0] = from; });
+}
 
 /// x = 0, r = b
 template <class Exec>
@@ -182,12 +188,15 @@ class DevicePcg {
                     View<Vec3d> x) {
         build(exec, matrix, terms, fixed, options);
         start(exec, b, fixed, options, x);
-        iterate(exec, matrix, terms, fixed, x);
-        bool is_recorded = false;
+        iterate(exec, matrix, terms, fixed, x);  // all kernels loaded, all buffers sized
+        exec.record(recording_, x.size, [&] { iterate(exec, matrix, terms, fixed, x); });
         bool refined = false;
-        int batch = kFirstBatch;
-        PcgState now = exec.read(View<const PcgState>(state_.view()), 0);
+        int batch = kFirstBatch - 1;
         while (true) {
+            for (int k = 0; k < batch; ++k)
+                exec.replay(recording_);
+            batch = kBatch;
+            const PcgState now = exec.read(View<const PcgState>(state_.view()), 0);
             if (now.status == PcgState::Status::Reached && wants_finer(options, now)
                 && !refined && options.refine(x)) {
                 refined = true;
@@ -195,14 +204,6 @@ class DevicePcg {
             } else if (now.status != PcgState::Status::Running) {
                 return result(now, refined);
             }
-            if (!is_recorded)
-                exec.record(
-                    recording_, x.size, [&] { iterate(exec, matrix, terms, fixed, x); });
-            is_recorded = true;
-            for (int k = 0; k < batch; ++k)
-                exec.replay(recording_);
-            batch = std::min(2 * batch, kLargestBatch);
-            now = exec.read(View<const PcgState>(state_.view()), 0);
         }
     }
 
@@ -216,8 +217,10 @@ class DevicePcg {
     }
 
   private:
-    static constexpr int kFirstBatch = 16;  ///< iterations before the host looks again
-    static constexpr int kLargestBatch = 32;
+    /// Iterations before the host looks at the state, the first time and then; on the CPU
+    /// a look costs nothing.
+    static constexpr int kFirstBatch = Exec::kIsDevice ? 16 : 1;
+    static constexpr int kBatch = Exec::kIsDevice ? 32 : 1;
 
     /// A right-hand side of 0 has been solved exactly.
     static bool wants_finer(const PcgOptions& options, const PcgState& now) {
@@ -265,7 +268,8 @@ class DevicePcg {
         PcgState state;
         state.stop = PcgStop(options);
         state.max_iterations = options.max_iterations;
-        exec.upload(std::vector<PcgState>{state}, state_);
+        state_.resize(1);
+        detail::device_set_state(exec, state, state_.view());
         detail::device_clear(exec, b, x, r_.view());
         if (use_banks_ || use_coarse_)
             precondition(exec, true, fixed, p_.view());

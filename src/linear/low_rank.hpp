@@ -10,6 +10,7 @@
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
+#include "exec/later.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -68,8 +69,8 @@ void compact_heads(Exec& exec,
 }
 
 template <class Exec>
-double count_used(Exec& exec, View<const std::uint32_t> keys, int num_vertices) {
-    return exec.sum("linear/count_used", keys.size, [=] NOLI_HD(int s) {
+Later count_used(Exec& exec, View<const std::uint32_t> keys, int num_vertices) {
+    return exec.sum_later("linear/count_used", keys.size, [=] NOLI_HD(int s) {
         return keys[s] < static_cast<std::uint32_t>(num_vertices) ? 1.0 : 0.0;
     });
 }
@@ -202,10 +203,11 @@ class LowRankTerms {
         detail::slot_keys(exec, terms(), num_vertices, keys_.view(), slots_.view());
         exec.sort_by_key("linear/sort_slots", keys_.view(), slots_.view());
         detail::mark_heads(exec, keys(), num_vertices, head_.view());
-        const int num_touched =
-            num_slots == 0 ? 0 : exec.scan("linear/scan_heads", head(), rank_.view());
-        const int num_used =
-            static_cast<int>(detail::count_used(exec, keys(), num_vertices));
+        const Later touched_count =
+            exec.scan_later("linear/scan_heads", head(), rank_.view());
+        const Later used_count = detail::count_used(exec, keys(), num_vertices);
+        const int num_touched = static_cast<int>(exec.value(touched_count));
+        const int num_used = static_cast<int>(exec.value(used_count));
         touched_.resize(num_touched);
         begin_.resize(num_touched + 1);
         detail::compact_heads(

@@ -6,6 +6,7 @@
 
 #include "energy/tet.hpp"
 #include "exec/lanes.hpp"
+#include "exec/later.hpp"
 #include "geometry/inversion.hpp"
 #include "objective/device_model.hpp"
 #include "objective/lane_load.hpp"
@@ -152,16 +153,16 @@ void for_each_model(Exec& exec,
 
 /// sum of scale V Psi(F), J times `scale`. `per_tet` is scratch.
 template <class Exec>
-double elastic_energy_sum(Exec& exec,
-                          const DeviceModel<Exec>& model,
-                          View<const Vec3d> x,
-                          double scale,
-                          typename Exec::template Buffer<double>& per_tet) {
+Later elastic_energy_sum(Exec& exec,
+                         const DeviceModel<Exec>& model,
+                         View<const Vec3d> x,
+                         double scale,
+                         typename Exec::template Buffer<double>& per_tet) {
     per_tet.resize(model.num_tets);
     detail::for_each_model<detail::TetEnergyKernel>(
         exec, "objective/tet_energy", model, x, scale, per_tet.view());
     const View<const double> energies = per_tet.view();
-    return exec.sum("objective/tet_energy_sum", model.num_tets, [=] NOLI_HD(int t) {
+    return exec.sum_later("objective/tet_energy_sum", model.num_tets, [=] NOLI_HD(int t) {
         return energies[t];
     });
 }
@@ -253,30 +254,48 @@ struct InversionBound {
     int tet = -1;
 };
 
+/// An InversionBound on its way to the host.
+struct InversionLater {
+    Later alpha, tet;
+
+    template <class Exec>
+    [[nodiscard]] InversionBound value(Exec& exec) const {
+        const double bound = std::fmin(1.0, exec.value(alpha));
+        if (!(bound < 1.0)) return {};
+        return {bound, static_cast<int>(exec.value(tet))};
+    }
+};
+
+namespace detail {
+
+/// First tet whose bound is the smallest one, *least.
 template <class Exec>
-InversionBound inversion_step_bound(Exec& exec,
+Later first_inverting(Exec& exec, const double* least, View<const double> bound) {
+    return exec.min_later("objective/inversion_argmin", bound.size, [=] NOLI_HD(int t) {
+        return bound[t] <= *least ? static_cast<double>(t) : HUGE_VAL;
+    });
+}
+
+}  // namespace detail
+
+template <class Exec>
+InversionLater inversion_step_bound(Exec& exec,
                                     const DeviceModel<Exec>& model,
                                     View<const Vec3d> x,
                                     View<const Vec3d> p,
                                     double keep,
                                     typename Exec::template Buffer<double>& per_tet) {
     per_tet.resize(model.num_tets);
-    const View<double> bound = per_tet.view();
-    const int num_tets = model.num_tets;
-    exec.for_lanes("objective/inversion_bound",
-                   num_tets,
-                   detail::InversionBoundKernel{model.tets.view(), x, p, keep, bound});
-    InversionBound out;
-    out.alpha =
-        std::fmin(1.0, exec.min("objective/inversion_min", num_tets, [=] NOLI_HD(int t) {
-            return bound[t];
-        }));
-    if (out.alpha >= 1.0) return out;
-    const double alpha = out.alpha;
-    out.tet = static_cast<int>(
-        exec.min("objective/inversion_argmin", num_tets, [=] NOLI_HD(int t) {
-            return bound[t] <= alpha ? static_cast<double>(t) : HUGE_VAL;
-        }));
+    const View<const double> bound = per_tet.view();
+    exec.for_lanes(
+        "objective/inversion_bound",
+        model.num_tets,
+        detail::InversionBoundKernel{model.tets.view(), x, p, keep, per_tet.view()});
+    InversionLater out;
+    if (model.num_tets == 0) return {{-1, HUGE_VAL}, {}};
+    out.alpha = exec.min_later(
+        "objective/inversion_min", bound.size, [=] NOLI_HD(int t) { return bound[t]; });
+    out.tet = detail::first_inverting(exec, exec.place(out.alpha), bound);
     return out;
 }
 

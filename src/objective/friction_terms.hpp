@@ -147,34 +147,34 @@ void lag_friction(Exec& exec,
 
 /// Sum of mu lambda_N f0, J. `eps` = epsv dt, m.
 template <class Exec>
-double friction_energy_sum(Exec& exec,
-                           View<const FrictionTerm> terms,
-                           View<const Vec3d> x,
-                           View<const Vec3d> x_start,
-                           double eps) {
-    return exec.sum("objective/friction_energy", terms.size, [=] NOLI_HD(int i) {
+Later friction_energy_sum(Exec& exec,
+                          View<const FrictionTerm> terms,
+                          View<const Vec3d> x,
+                          View<const Vec3d> x_start,
+                          double eps) {
+    return exec.sum_later("objective/friction_energy", terms.size, [=] NOLI_HD(int i) {
         const FrictionTerm& term = terms[i];
         return friction_energy(term.basis, detail::moved(term, x, x_start), term.mu, eps);
     });
 }
 
 /// Largest friction_unrest of the direction p among the terms with mu lambda_N of at
-/// least `weak`; 0 without such.
+/// least `weak`; 0 without such, -infinity without terms.
 template <class Exec>
-double largest_friction_unrest(Exec& exec,
-                               View<const FrictionTerm> terms,
-                               View<const Vec3d> x,
-                               View<const Vec3d> x_start,
-                               View<const Vec3d> p,
-                               double eps,
-                               double weak) {
-    return -exec.min("objective/friction_unrest", terms.size, [=] NOLI_HD(int i) {
+Later largest_friction_unrest(Exec& exec,
+                              View<const FrictionTerm> terms,
+                              View<const Vec3d> x,
+                              View<const Vec3d> x_start,
+                              View<const Vec3d> p,
+                              double eps,
+                              double weak) {
+    return exec.max_later("objective/friction_unrest", terms.size, [=] NOLI_HD(int i) {
         const FrictionTerm& term = terms[i];
         if (!(term.mu * term.basis.normal_force > weak)) return 0.0;
         Stencil<4> direction;
         for (int s = 0; s < 4; ++s)
             direction.x[s] = term.v[s] < 0 ? Vec3d{0.0, 0.0, 0.0} : p[term.v[s]];
-        return -friction_unrest(
+        return friction_unrest(
             term.basis, detail::moved(term, x, x_start), direction, eps);
     });
 }

@@ -16,6 +16,7 @@
 #include "objective/inertia.hpp"
 #include "objective/pair_terms.hpp"
 
+#include <array>
 #include <utility>
 
 namespace noli {
@@ -34,14 +35,20 @@ struct AssemblySeconds {
     double elastic = 0.0, barrier = 0.0, friction = 0.0;
 };
 
+/// The parts of an energy, on their way to the host; 0 where there is none.
+struct EnergyParts {
+    Later inertia, elastic, damping, friction;
+    std::array<Later, 6> barrier;  ///< PP, PE, PT, EE, mollified, half-spaces
+};
+
 /// Spring of a prescribed vertex that has to yield, in multiples of its inertia.
 inline constexpr double kYieldWeight = 1e6;
 
 namespace detail {
 
 template <class Exec>
-double inertia_energy_sum(Exec& exec, InertiaViews in, View<const Vec3d> x) {
-    return exec.sum("objective/inertia_energy", x.size, [=] NOLI_HD(int v) {
+Later inertia_energy_sum(Exec& exec, InertiaViews in, View<const Vec3d> x) {
+    return exec.sum_later("objective/inertia_energy", x.size, [=] NOLI_HD(int v) {
         return inertia_energy(in, x[v], v);
     });
 }
@@ -100,8 +107,8 @@ void set_zero(Exec& exec, View<double> out) {
 }
 
 template <class Exec>
-double dot_sum(Exec& exec, View<const Vec3d> a, View<const Vec3d> b) {
-    return exec.sum(
+Later dot_sum(Exec& exec, View<const Vec3d> a, View<const Vec3d> b) {
+    return exec.sum_later(
         "objective/dot", a.size, [=] NOLI_HD(int v) { return dot(a[v], b[v]); });
 }
 
@@ -172,21 +179,35 @@ class Objective {
     }
 
     /// E(x) with the active pairs of x, J times h^2-scale.
+    EnergyParts energy_later(Exec& exec,
+                             View<const Vec3d> x,
+                             const PairSet<Exec>& pairs,
+                             const ContactLaw& law) {
+        EnergyParts out;
+        out.inertia = detail::inertia_energy_sum(exec, inertia(), x);
+        out.elastic = elastic_energy_sum(exec, device_, x, scales_.h_sq, per_tet_);
+        if (scales_.stiffness_damping > 0.0) {
+            detail::subtract(
+                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
+            out.damping =
+                damping_.quadratic_form_later(exec, View<const Vec3d>(scratch_.view()));
+        }
+        out.friction = friction_energy_sum(
+            exec, friction_.view(), x, x_start_.view(), scales_.friction_eps);
+        out.barrier = barrier_energy_later(exec, x, pairs, law.barrier);
+        return out;
+    }
+    double total(Exec& exec, const EnergyParts& parts) const {
+        double sum = exec.value(parts.inertia) + exec.value(parts.elastic);
+        sum += 0.5 * exec.value(parts.damping);
+        sum += exec.value(parts.friction);
+        return sum + total(exec, parts.barrier);
+    }
     double energy(Exec& exec,
                   View<const Vec3d> x,
                   const PairSet<Exec>& pairs,
                   const ContactLaw& law) {
-        double total = detail::inertia_energy_sum(exec, inertia(), x);
-        total += elastic_energy_sum(exec, device_, x, scales_.h_sq, per_tet_);
-        if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(
-                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
-            total +=
-                0.5 * damping_.quadratic_form(exec, View<const Vec3d>(scratch_.view()));
-        }
-        total += friction_energy_sum(
-            exec, friction_.view(), x, x_start_.view(), scales_.friction_eps);
-        return total + barrier_energy(exec, x, pairs, law.barrier);
+        return total(exec, energy_later(exec, x, pairs, law));
     }
 
     /// Sum of kappa b over all active pairs, J.
@@ -194,13 +215,7 @@ class Objective {
                           View<const Vec3d> x,
                           const PairSet<Exec>& pairs,
                           BarrierParams params) {
-        return pair_energy_sum<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, params)
-             + pair_energy_sum<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params)
-             + pair_energy_sum<4>(
-                   exec, PairKind::PointTriangle, pairs.pt.view(), x, params)
-             + pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params)
-             + mollified_energy_sum(exec, pairs.mollified.view(), x, params)
-             + plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params);
+        return total(exec, barrier_energy_later(exec, x, pairs, params));
     }
 
     /// Gradient and Hessian at x: fills gradient(), matrix() and terms().
@@ -259,16 +274,15 @@ class Objective {
 
     /// Largest friction_unrest (energy/friction.hpp) of the direction p at x among the
     /// terms with mu lambda_N of at least `weak` (J/m).
-    double friction_unrest(Exec& exec,
-                           View<const Vec3d> x,
-                           View<const Vec3d> p,
-                           double weak) {
-        if (friction_.size() == 0) return 0.0;
+    Later friction_unrest(Exec& exec,
+                          View<const Vec3d> x,
+                          View<const Vec3d> p,
+                          double weak) {
         return largest_friction_unrest(
             exec, friction_.view(), x, x_start_.view(), p, scales_.friction_eps, weak);
     }
 
-    InversionBound inversion_bound_along(Exec& exec,
+    InversionLater inversion_bound_along(Exec& exec,
                                          View<const Vec3d> x,
                                          View<const Vec3d> p,
                                          double keep) {
@@ -303,7 +317,7 @@ class Objective {
 
     /// Elastic energy at x, J (not scaled by h^2).
     double elastic_energy_at(Exec& exec, View<const Vec3d> x) {
-        return elastic_energy_sum(exec, device_, x, 1.0, per_tet_);
+        return exec.value(elastic_energy_sum(exec, device_, x, 1.0, per_tet_));
     }
 
     /// Gradient of the elastic energy at x, N (not scaled by h^2).
@@ -319,6 +333,25 @@ class Objective {
         for (const Model::Plane& plane : model.planes)
             planes.push_back({plane.normal, plane.offset});
         return planes;
+    }
+
+    std::array<Later, 6> barrier_energy_later(Exec& exec,
+                                              View<const Vec3d> x,
+                                              const PairSet<Exec>& pairs,
+                                              BarrierParams params) {
+        return {
+            pair_energy_sum<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, params),
+            pair_energy_sum<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params),
+            pair_energy_sum<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, params),
+            pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params),
+            mollified_energy_sum(exec, pairs.mollified.view(), x, params),
+            plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params)};
+    }
+    static double total(Exec& exec, const std::array<Later, 6>& parts) {
+        double sum = 0.0;
+        for (const Later& part : parts)
+            sum += exec.value(part);
+        return sum;
     }
 
     [[nodiscard]] InertiaViews inertia() const {

@@ -97,51 +97,49 @@ NOLI_HD inline void store_term(const TermRange& out,
 
 /// Sum of kappa b over one type of unmollified pairs, J.
 template <int S, class Exec>
-double pair_energy_sum(Exec& exec,
-                       PairKind kind,
-                       View<const typename detail::PairIndex<S>::Type> pairs,
-                       View<const Vec3d> x,
-                       BarrierParams params) {
-    return exec.sum("objective/pair_energy", pairs.size, [=] NOLI_HD(int i) {
+Later pair_energy_sum(Exec& exec,
+                      PairKind kind,
+                      View<const typename detail::PairIndex<S>::Type> pairs,
+                      View<const Vec3d> x,
+                      BarrierParams params) {
+    return exec.sum_later("objective/pair_energy", pairs.size, [=] NOLI_HD(int i) {
         return pair_energy(kind, detail::load_stencil<S>(x, pairs[i]), params);
     });
 }
 
 namespace detail {
 
-/// The model is a constant of the loop: each leaves out what only another one needs,
-/// which on a GPU is a matter of registers.
+/// The modes of one pair by a model that is a constant of the loop: each loop leaves out
+/// what only another one needs, which on a GPU is a matter of registers.
+template <ContactHessian Model>
+struct PairModes {
+    template <int S>
+    NOLI_HD static auto of(PairKind kind, const Stencil<S>& at, BarrierParams barrier) {
+        return pair_hessian(Model, kind, at, barrier);
+    }
+};
+template <>
+struct PairModes<ContactHessian::Numeric> {
+    template <int S>
+    NOLI_HD static auto of(PairKind kind, const Stencil<S>& at, BarrierParams barrier) {
+        return numeric_pair_hessian(kind, at, barrier);
+    }
+};
+
 template <ContactHessian Model, int S, class Exec>
-void fill_closed_form_terms(Exec& exec,
-                            PairKind kind,
-                            View<const typename PairIndex<S>::Type> pairs,
-                            View<const Vec3d> x,
-                            BarrierParams barrier,
-                            TermRange out) {
+void fill_pair_terms(Exec& exec,
+                     PairKind kind,
+                     View<const typename PairIndex<S>::Type> pairs,
+                     View<const Vec3d> x,
+                     BarrierParams barrier,
+                     TermRange out) {
     exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
         const Stencil<S> at = load_stencil<S>(x, pairs[i]);
         store_term(out,
                    i,
                    pairs[i].v,
                    pair_gradient(kind, at, barrier),
-                   pair_hessian(Model, kind, at, barrier));
-    });
-}
-
-template <int S, class Exec>
-void fill_numeric_terms(Exec& exec,
-                        PairKind kind,
-                        View<const typename PairIndex<S>::Type> pairs,
-                        View<const Vec3d> x,
-                        BarrierParams barrier,
-                        TermRange out) {
-    exec.for_each("objective/numeric_pair_terms", pairs.size, [=] NOLI_HD(int i) {
-        const Stencil<S> at = load_stencil<S>(x, pairs[i]);
-        store_term(out,
-                   i,
-                   pairs[i].v,
-                   pair_gradient(kind, at, barrier),
-                   numeric_pair_hessian(kind, at, barrier));
+                   PairModes<Model>::of(kind, at, barrier));
     });
 }
 
@@ -159,25 +157,26 @@ void fill_pair_terms(Exec& exec,
     const BarrierParams barrier = law.barrier;
     switch (law.hessian) {
         case Kind::GaussNewton:
-            return detail::fill_closed_form_terms<Kind::GaussNewton, S>(
+            return detail::fill_pair_terms<Kind::GaussNewton, S>(
                 exec, kind, pairs, x, barrier, out);
         case Kind::GaussNewtonPlus:
-            return detail::fill_closed_form_terms<Kind::GaussNewtonPlus, S>(
+            return detail::fill_pair_terms<Kind::GaussNewtonPlus, S>(
                 exec, kind, pairs, x, barrier, out);
         case Kind::Exact:
-            return detail::fill_closed_form_terms<Kind::Exact, S>(
+            return detail::fill_pair_terms<Kind::Exact, S>(
                 exec, kind, pairs, x, barrier, out);
         case Kind::Numeric:
-            return detail::fill_numeric_terms<S>(exec, kind, pairs, x, barrier, out);
+            return detail::fill_pair_terms<Kind::Numeric, S>(
+                exec, kind, pairs, x, barrier, out);
     }
 }
 
 template <class Exec>
-double mollified_energy_sum(Exec& exec,
-                            View<const MollifiedPair> pairs,
-                            View<const Vec3d> x,
-                            BarrierParams params) {
-    return exec.sum("objective/mollified_energy", pairs.size, [=] NOLI_HD(int i) {
+Later mollified_energy_sum(Exec& exec,
+                           View<const MollifiedPair> pairs,
+                           View<const Vec3d> x,
+                           BarrierParams params) {
+    return exec.sum_later("objective/mollified_energy", pairs.size, [=] NOLI_HD(int i) {
         return mollified_energy(detail::mollified_case(pairs[i]),
                                 detail::load_stencil<4>(x, pairs[i].v),
                                 pairs[i].eps_cross,
@@ -185,32 +184,55 @@ double mollified_energy_sum(Exec& exec,
     });
 }
 
+namespace detail {
+
+template <MollifiedHessian Model, class Exec>
+void fill_mollified_terms(Exec& exec,
+                          View<const MollifiedPair> pairs,
+                          View<const Vec3d> x,
+                          BarrierParams barrier,
+                          TermRange out) {
+    exec.for_each("objective/mollified_terms", pairs.size, [=] NOLI_HD(int i) {
+        const MollifiedCase sub = mollified_case(pairs[i]);
+        const Stencil<4> at = load_stencil<4>(x, pairs[i].v);
+        const double eps_cross = pairs[i].eps_cross;
+        store_term(out,
+                   i,
+                   pairs[i].v.v,
+                   mollified_gradient(sub, at, eps_cross, barrier),
+                   mollified_modes<Model>(sub, at, eps_cross, barrier));
+    });
+}
+
+}  // namespace detail
+
 template <class Exec>
 void fill_mollified_terms(Exec& exec,
                           View<const MollifiedPair> pairs,
                           View<const Vec3d> x,
                           ContactLaw law,
                           TermRange out) {
-    exec.for_each("objective/mollified_terms", pairs.size, [=] NOLI_HD(int i) {
-        const MollifiedCase sub = detail::mollified_case(pairs[i]);
-        const Stencil<4> at = detail::load_stencil<4>(x, pairs[i].v);
-        const double eps_cross = pairs[i].eps_cross;
-        detail::store_term(
-            out,
-            i,
-            pairs[i].v.v,
-            mollified_gradient(sub, at, eps_cross, law.barrier),
-            mollified_hessian(law.mollified, sub, at, eps_cross, law.barrier));
-    });
+    using Kind = MollifiedHessian;
+    switch (law.mollified) {
+        case Kind::TwoMode:
+            return detail::fill_mollified_terms<Kind::TwoMode>(
+                exec, pairs, x, law.barrier, out);
+        case Kind::FourMode:
+            return detail::fill_mollified_terms<Kind::FourMode>(
+                exec, pairs, x, law.barrier, out);
+        case Kind::Exact:
+            return detail::fill_mollified_terms<Kind::Exact>(
+                exec, pairs, x, law.barrier, out);
+    }
 }
 
 template <class Exec>
-double plane_energy_sum(Exec& exec,
-                        View<const Int2> pairs,
-                        View<const CollisionMesh::Plane> planes,
-                        View<const Vec3d> x,
-                        BarrierParams params) {
-    return exec.sum("objective/plane_energy", pairs.size, [=] NOLI_HD(int i) {
+Later plane_energy_sum(Exec& exec,
+                       View<const Int2> pairs,
+                       View<const CollisionMesh::Plane> planes,
+                       View<const Vec3d> x,
+                       BarrierParams params) {
+    return exec.sum_later("objective/plane_energy", pairs.size, [=] NOLI_HD(int i) {
         return half_space_energy(
             x[pairs[i][0]], detail::barrier_plane(planes[pairs[i][1]]), params);
     });

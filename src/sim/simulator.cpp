@@ -5,6 +5,7 @@
 #include "sim/engine.hpp"
 #include "sim/estimate.hpp"
 #include "sim/state_bytes.hpp"
+#include "sim/step_settings.hpp"
 #include "sim/stress.hpp"
 #include "sim/verify.hpp"
 #include "step/sound_travel.hpp"
@@ -31,24 +32,6 @@ double peak_megabytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
-StepSettings step_settings(const Scene& scene, const Model& model, bool record) {
-    const auto positive = [](double mu) { return mu > 0.0; };
-    return {
-        .dt = scene.dt,
-        .dhat = model.dhat,
-        .epsv = model.epsv,
-        .diagonal = model.diagonal,
-        .mean_mass = model.mean_mass,
-        .has_friction =
-            std::any_of(model.pair_friction.begin(), model.pair_friction.end(), positive)
-            || std::any_of(
-                model.plane_friction.begin(), model.plane_friction.end(), positive),
-        .contact = spelled_out(scene.contact),
-        .damping = scene.damping,
-        .solver = scene.solver,
-        .record_iterations = record};
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ double Verifier::min_gap(const std::vector<Vec3d>& x) {
     in.collision.begin_step(in.exec, in.model, in.model.obstacle);
     in.collision.find_candidates_along(in.exec, view_of(x), {}, 0.0, in.model.dhat);
     in.collision.find_pairs_at(in.exec, view_of(x), in.model.dhat, in.pairs);
-    return in.collision.gap_at(in.exec, in.pairs, view_of(x));
+    return in.exec.value(in.collision.gap_at(in.exec, in.pairs, view_of(x)));
 }
 
 }  // namespace noli

@@ -50,7 +50,21 @@ class Collision {
     /// empty.
     void find_candidates_along(
         Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double dhat) {
-        find_candidates(exec, mesh_, broad_phase_, x, p, alpha, dhat, candidates_);
+        look_along(exec, x, p);
+        find_candidates_seen(exec, x, p, alpha, dhat);
+    }
+
+    /// The same in two parts: starts to look how far the motion goes, which needs no
+    /// alpha, ...
+    void look_along(Exec& exec, View<const Vec3d> x, View<const Vec3d> p) {
+        broad_phase_.look_along(exec, mesh_, x, p);
+    }
+
+    /// ... and finds the pairs.
+    void find_candidates_seen(
+        Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double dhat) {
+        noli::find_candidates_seen(
+            exec, mesh_, broad_phase_, x, p, alpha, dhat, candidates_);
     }
 
     /// Largest safe step in [0, alpha] over the candidates of that motion.
@@ -69,8 +83,8 @@ class Collision {
     }
 
     /// Smallest distance among pairs at x, m; +infinity without pairs.
-    double gap_at(Exec& exec, const PairSet<Exec>& pairs, View<const Vec3d> x) {
-        return min_gap(exec, mesh_, pairs, x, gap_work_).gap;
+    Later gap_at(Exec& exec, const PairSet<Exec>& pairs, View<const Vec3d> x) {
+        return smallest_gap_later(exec, mesh_, pairs, x, gap_work_);
     }
 
   private:

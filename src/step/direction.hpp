@@ -15,6 +15,7 @@ namespace noli {
 
 struct DirectionResult {
     int iterations = 0;  ///< of PCG; 1 for a direct solve
+    bool fine = true;    ///< found to the fine tolerance
     bool ok = true;
     std::string trouble;  ///< why not ok
 };
@@ -44,17 +45,17 @@ void right_hand_side(Exec& exec,
 }
 
 template <class Exec>
-double max_component(Exec& exec, View<const Vec3d> a) {
-    return -exec.min(
-        "step/max_component", a.size, [=] NOLI_HD(int i) { return -max_abs(a[i]); });
+Later max_component(Exec& exec, View<const Vec3d> a) {
+    return exec.max_later(
+        "step/max_component", a.size, [=] NOLI_HD(int i) { return max_abs(a[i]); });
 }
 
 template <class Exec>
-double max_free_component(Exec& exec,
-                          View<const Vec3d> a,
-                          View<const std::uint8_t> fixed) {
-    return -exec.min("step/max_free_component", a.size, [=] NOLI_HD(int i) {
-        return fixed[i] ? 0.0 : -max_abs(a[i]);
+Later max_free_component(Exec& exec,
+                         View<const Vec3d> a,
+                         View<const std::uint8_t> fixed) {
+    return exec.max_later("step/max_free_component", a.size, [=] NOLI_HD(int i) {
+        return fixed[i] ? 0.0 : max_abs(a[i]);
     });
 }
 
@@ -75,17 +76,27 @@ class DirectionSolver {
         pushed_.resize(num_vertices);
     }
 
-    /// Largest component of what the prescribed vertices still have to move to the end of
-    /// the leg that they are on, m; 0 at the end of the path only.
+    /// Starts to look how far the prescribed vertices are from the end of the leg that
+    /// they are on; before find_remaining.
+    void look_ahead(Exec& exec,
+                    View<const std::uint8_t> fixed,
+                    const BoundaryPath& path,
+                    View<const Vec3d> x) {
+        detail::remaining_motion(exec, fixed, path.target(), x, prescribed_.view());
+        ahead_ = detail::max_component(exec, View<const Vec3d>(prescribed_.view()));
+    }
+
+    /// Largest component of what they still have to move, m; 0 at the end of the path
+    /// only.
     double find_remaining(Exec& exec,
                           View<const std::uint8_t> fixed,
                           BoundaryPath& path,
                           View<const Vec3d> x) {
-        do {
-            detail::remaining_motion(exec, fixed, path.target(), x, prescribed_.view());
-            remaining_ =
-                detail::max_component(exec, View<const Vec3d>(prescribed_.view()));
-        } while (remaining_ == 0.0 && path.next_leg());
+        remaining_ = exec.value(ahead_);
+        while (remaining_ == 0.0 && path.next_leg()) {
+            look_ahead(exec, fixed, path, x);
+            remaining_ = exec.value(ahead_);
+        }
         return remaining_;
     }
 
@@ -133,7 +144,8 @@ class DirectionSolver {
                                             fixed,
                                             options,
                                             p);
-        DirectionResult out{.iterations = solved.iterations};
+        DirectionResult out{.iterations = solved.iterations,
+                            .fine = solved.refined || !options.refine};
         if (solved.outcome == PcgResult::Outcome::Breakdown) {
             out.ok = false;
             out.trouble =
@@ -159,7 +171,8 @@ class DirectionSolver {
                                             View<const Vec3d>(rhs_.view()),
                                             fixed,
                                             p);
-        DirectionResult out{.iterations = 1, .ok = outcome == Solved::Solved};
+        DirectionResult out{
+            .iterations = 1, .fine = true, .ok = outcome == Solved::Solved};
         if (outcome == Solved::NotPositiveDefinite)
             out.trouble = "CHOLMOD: the Hessian is not positive definite or not finite";
         if (outcome == Solved::Failed) out.trouble = "CHOLMOD ran out of memory";
@@ -170,6 +183,7 @@ class DirectionSolver {
     typename Exec::template Buffer<Vec3d> rhs_, prescribed_, pushed_;
     Pcg<Exec> pcg_;
     CholmodSolver cholmod_;
+    Later ahead_;
     double remaining_ = 0.0;
 };
 

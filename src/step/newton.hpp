@@ -121,13 +121,17 @@ class Newton {
     /// True if prescribed vertices had to yield in this step.
     [[nodiscard]] bool yielded() const { return yielded_; }
     void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
-    /// Smallest distance among the active pairs, m; +infinity without pairs.
-    double gap_at(View<const Vec3d> x) { return collision_.gap_at(exec_, pairs_, x); }
 
   private:
     /// Elastic energy densities are differences of terms of size mu and lambda, near rest
     /// too: their rounding error is about this share of them.
     static constexpr double kElasticRounding = 2.3e-16;
+
+    /// Of a direction, on their way to the host.
+    struct DirectionFigures {
+        Later gradient, slope, unrest;
+        InversionLater inversion;
+    };
 
     struct Progress {
         bool ended = false;
@@ -139,41 +143,36 @@ class Newton {
                      View<Vec3d> x,
                      IterationRecord& record,
                      StepReport& report) {
-        {
-            const PhaseTimer timer(report.t_assemble);
-            objective_.assemble(exec_, x, pairs_, law_);
-            if (!energy_known_) energy_ = objective_.energy(exec_, x, pairs_, law_);
-            energy_known_ = true;
-            const AssemblySeconds seconds = objective_.take_seconds();
-            report.t_elastic += seconds.elastic;
-            report.t_barrier += seconds.barrier;
-            report.t_friction += seconds.friction;
-        }
+        direction_.look_ahead(exec_, fixed_, path, x);
+        assemble(x, report);
         record.energy = energy_;
         record.energy_after = energy_;
         record.kappa = law_.barrier.kappa;
         const bool arrived = direction_.find_remaining(exec_, fixed_, path, x) == 0.0;
         record.boundary_moved = !arrived && pace_.moves();
         if (!record.boundary_moved) direction_.hold_prescribed();
-        if (settings_.record_iterations || settings_.solver.gradient_tolerance > 0.0)
-            record.gradient =
-                detail::max_free_component(exec_, objective_.gradient(), fixed_);
         const DirectionResult solved =
             solve_direction(x, arrived ? tolerance * settings_.dt : 0.0, record, report);
         if (!solved.ok) {
             report.message = solved.trouble;
             return {true, Outcome::LinearSolverFailed};
         }
-        record.direction = detail::max_component(exec_, View<const Vec3d>(p_.view()));
+        const bool may_end =
+            arrived && (solved.fine || settings_.solver.gradient_tolerance > 0.0);
+        const DirectionFigures figures = [&] {
+            const PhaseTimer timer(report.t_ccd);
+            return measure_direction(x, may_end, tolerance, record);
+        }();
         if (!(record.direction < HUGE_VAL) || !(energy_ < HUGE_VAL)) {
             report.message =
                 describe_not_finite(record.direction, energy_, report.newton);
             return {true, Outcome::NumericalTrouble};
         }
-        const bool converged = arrived && small_enough(record, tolerance)
-                            && friction_settled(x, tolerance * settings_.dt);
-        bound_step(x, record, report);
-        const bool moved = search(x, converged, record, report);
+        const bool converged = may_end && small_enough(record, tolerance)
+                            && exec_.value(figures.unrest) <= kFrictionUnrest;
+        bound_step(x, figures.inversion, record, report);
+        const bool moved =
+            search(x, converged, exec_.value(figures.slope), record, report);
         if (converged) return {true, Outcome::Converged};
         if (!moved && pace_.retry_more_exactly()) return {};
         if (!moved) {
@@ -195,13 +194,42 @@ class Newton {
             <= bound * settings_.diagonal * settings_.dt * settings_.dt;
     }
 
-    /// Whether it is decided which pairs stick: the tolerance may be far coarser than the
-    /// slip epsv dt over which friction builds up. Pairs that can move a mean vertex by
-    /// no more than a hundredth of `distance` have no say.
-    bool friction_settled(View<const Vec3d> x, double distance) {
-        const double weak = 0.01 * distance * settings_.mean_mass;
-        return objective_.friction_unrest(exec_, x, View<const Vec3d>(p_.view()), weak)
-            <= kFrictionUnrest;
+    /// Gradient, operator and, where it is not known yet, the energy.
+    void assemble(View<const Vec3d> x, StepReport& report) {
+        const PhaseTimer timer(report.t_assemble);
+        EnergyParts parts;
+        if (!energy_known_) parts = objective_.energy_later(exec_, x, pairs_, law_);
+        objective_.assemble(exec_, x, pairs_, law_);
+        if (!energy_known_) energy_ = objective_.total(exec_, parts);
+        energy_known_ = true;
+        const AssemblySeconds seconds = objective_.take_seconds();
+        report.t_elastic += seconds.elastic;
+        report.t_barrier += seconds.barrier;
+        report.t_friction += seconds.friction;
+    }
+
+    /// All that the direction is asked for, started together. `unrest` tells whether it
+    /// is decided which pairs stick, where Newton may end: the tolerance may be far
+    /// coarser than the slip epsv dt over which friction builds up. Pairs that can move a
+    /// mean vertex by no more than a hundredth of the tolerance have no say.
+    DirectionFigures measure_direction(View<const Vec3d> x,
+                                       bool may_end,
+                                       double tolerance,
+                                       IterationRecord& record) {
+        const View<const Vec3d> p = p_.view();
+        const Later size = detail::max_component(exec_, p);
+        DirectionFigures out;
+        if (settings_.record_iterations || settings_.solver.gradient_tolerance > 0.0)
+            out.gradient =
+                detail::max_free_component(exec_, objective_.gradient(), fixed_);
+        out.slope = detail::dot_sum(exec_, objective_.gradient(), p);
+        const double weak = 0.01 * tolerance * settings_.dt * settings_.mean_mass;
+        if (may_end) out.unrest = objective_.friction_unrest(exec_, x, p, weak);
+        out.inversion = objective_.inversion_bound_along(exec_, x, p, kKeepVolume);
+        collision_.look_along(exec_, x, p);
+        record.direction = exec_.value(size);
+        record.gradient = exec_.value(out.gradient);
+        return out;
     }
 
     /// Prescribed vertices of elastic bodies that something blocks are held by springs
@@ -257,24 +285,23 @@ class Newton {
         options.tolerance = pace_.tolerance(kRoughDirection, record.boundary_moved);
         options.fine_tolerance = std::min(kFineDirection, options.tolerance);
         options.refine = [this, small](View<const Vec3d> p) {
-            return detail::max_component(exec_, p) < small;
+            return exec_.value(detail::max_component(exec_, p)) < small;
         };
         return options;
     }
 
     /// Largest step without inversion and without collision; candidates of that motion.
-    void bound_step(View<const Vec3d> x, IterationRecord& record, StepReport& report) {
+    void bound_step(View<const Vec3d> x,
+                    const InversionLater& inverting,
+                    IterationRecord& record,
+                    StepReport& report) {
         const View<const Vec3d> p = p_.view();
-        {
-            const PhaseTimer timer(report.t_ccd);
-            const InversionBound inversion =
-                objective_.inversion_bound_along(exec_, x, p, kKeepVolume);
-            record.step_bound = inversion.alpha;
-            if (inversion.tet >= 0) record.limiting = describe_tet(model_, inversion.tet);
-        }
+        const InversionBound inversion = inverting.value(exec_);
+        record.step_bound = inversion.alpha;
+        if (inversion.tet >= 0) record.limiting = describe_tet(model_, inversion.tet);
         {
             const PhaseTimer timer(report.t_pairs);
-            collision_.find_candidates_along(
+            collision_.find_candidates_seen(
                 exec_, x, p, record.step_bound, settings_.dhat);
         }
         const PhaseTimer timer(report.t_ccd);
@@ -290,11 +317,10 @@ class Newton {
     /// then takes the step. False if no step was found; x then stays.
     bool search(View<Vec3d> x,
                 bool converged,
+                double slope,
                 IterationRecord& record,
                 StepReport& report) {
         const PhaseTimer timer(report.t_search);
-        const double slope =
-            detail::dot_sum(exec_, objective_.gradient(), View<const Vec3d>(p_.view()));
         LineSearch search{
             .energy_before = energy_,
             .slope = slope,
@@ -308,6 +334,7 @@ class Newton {
                                 alpha,
                                 x_trial_.view());
             collision_.find_pairs_at(exec_, x_trial_.view(), settings_.dhat, pairs_);
+            const Later gap = collision_.gap_at(exec_, pairs_, x_trial_.view());
             const double energy = objective_.energy(exec_, x_trial_.view(), pairs_, law_);
             if (!search.accepts(energy, alpha)) continue;
             exec_.copy(View<const Vec3d>(x_trial_.view()), x);
@@ -316,22 +343,21 @@ class Newton {
             record.step = alpha;
             record.halvings = search.halvings;
             record.noise_accepted = search.noise_accepted;
-            finish_iteration(x, record, report);
+            finish_iteration(exec_.value(gap), record, report);
             return true;
         }
         record.step = 0.0;
         record.halvings = search.halvings;
         collision_.find_pairs_at(exec_, View<const Vec3d>(x), settings_.dhat, pairs_);
-        if (converged) finish_iteration(x, record, report);
+        if (converged)
+            finish_iteration(
+                exec_.value(collision_.gap_at(exec_, pairs_, x)), record, report);
         return false;
     }
 
     /// Contact figures of the accepted state, and a stiffer barrier where a tiny gap
     /// still shrinks.
-    void finish_iteration(View<const Vec3d> x,
-                          IterationRecord& record,
-                          StepReport& report) {
-        const double gap = gap_at(x);
+    void finish_iteration(double gap, IterationRecord& record, StepReport& report) {
         record.contacts = pairs_.size();
         record.min_gap = gap;
         report.contacts = record.contacts;

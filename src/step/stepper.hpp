@@ -20,12 +20,12 @@ namespace detail {
 
 /// Largest component of a - b over marked vertices.
 template <class Exec>
-double max_distance(Exec& exec,
-                    View<const std::uint8_t> marked,
-                    View<const Vec3d> a,
-                    View<const Vec3d> b) {
-    return -exec.min("step/max_distance", a.size, [=] NOLI_HD(int i) {
-        return marked[i] ? -max_abs(a[i] - b[i]) : 0.0;
+Later max_distance(Exec& exec,
+                   View<const std::uint8_t> marked,
+                   View<const Vec3d> a,
+                   View<const Vec3d> b) {
+    return exec.max_later("step/max_distance", a.size, [=] NOLI_HD(int i) {
+        return marked[i] ? max_abs(a[i] - b[i]) : 0.0;
     });
 }
 
@@ -198,10 +198,11 @@ class Stepper {
         const View<const Vec3d> target =
             BoundaryPath(on_device_.path(), static_cast<int>(boundary_.path.size()))
                 .end();
-        report.boundary_yield = detail::max_distance(exec_, fixed, x_new_.view(), target);
-        const double motion =
-            detail::max_distance(exec_, fixed, motion_.x.view(), target);
-        const double allowed = std::max(settings_.dhat, kYieldShare * motion);
+        const Later yield = detail::max_distance(exec_, fixed, x_new_.view(), target);
+        const Later motion = detail::max_distance(exec_, fixed, motion_.x.view(), target);
+        report.boundary_yield = exec_.value(yield);
+        const double allowed =
+            std::max(settings_.dhat, kYieldShare * exec_.value(motion));
         if (report.boundary_yield <= allowed || report.outcome != Outcome::Converged)
             return;
         report.outcome = Outcome::BoundaryBlocked;

@@ -47,13 +47,16 @@ double balanced_stiffness(Exec& exec,
         objective.split_gradients(exec, x, pairs, law, scratch_other, scratch_barrier);
         const View<const Vec3d> other = scratch_other;
         const View<const Vec3d> barrier = scratch_barrier;
-        const double along = exec.sum("step/balance_dot", x.size, [=] NOLI_HD(int i) {
-            return fixed[i] ? 0.0 : dot(other[i], barrier[i]);
-        });
-        const double square = exec.sum("step/balance_square", x.size, [=] NOLI_HD(int i) {
-            return fixed[i] ? 0.0 : norm_sq(barrier[i]);
-        });
-        const double balance = square > 0.0 ? -along / square : 0.0;
+        const Later along =
+            exec.sum_later("step/balance_dot", x.size, [=] NOLI_HD(int i) {
+                return fixed[i] ? 0.0 : dot(other[i], barrier[i]);
+            });
+        const Later square =
+            exec.sum_later("step/balance_square", x.size, [=] NOLI_HD(int i) {
+                return fixed[i] ? 0.0 : norm_sq(barrier[i]);
+            });
+        const double square_sum = exec.value(square);
+        const double balance = square_sum > 0.0 ? -exec.value(along) / square_sum : 0.0;
         if (balance > 0.0) kappa = balance;
     }
     return std::clamp(kappa, range.low, range.high);

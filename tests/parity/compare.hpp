@@ -14,6 +14,7 @@
 #include "parity/loops.hpp"
 #include "parity/scenes.hpp"
 #include "sim/engine_on.hpp"
+#include "sim/step_settings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -58,7 +59,7 @@ struct LoopCase {
     explicit LoopCase(const Scene& scene, int steps)
         : model(build_model(scene).value()),
           pattern(build_block_pattern(model.num_vertices, model.tets)),
-          settings(parity_settings(scene, model)) {
+          settings(step_settings(scene, model)) {
         const auto engine = make_cpu_engine({model, pattern, settings, scene.gravity, 1});
         for (int k = 0; k < steps; ++k)
             EXPECT_EQ(engine->step().outcome, Outcome::Converged);

@@ -127,7 +127,7 @@ class LoopRun {
         keep("pairs EE", View<const Int4>(pairs_.ee.view()), true);
         keep("pairs mollified", View<const MollifiedPair>(pairs_.mollified.view()), true);
         keep("pairs plane", View<const Int2>(pairs_.planes.view()), true);
-        keep("smallest gap", {collision_.gap_at(exec_, pairs_, x())});
+        keep("smallest gap", {exec_.value(collision_.gap_at(exec_, pairs_, x()))});
         objective_.begin_step(exec_,
                               {.h_sq = in_.h_sq,
                                .mass_damping = 0.1 * in_.h_sq,
@@ -170,12 +170,13 @@ class LoopRun {
         keep("contact forces", View<const Vec3d>(y.view()));
         objective_.elastic_gradient_at(exec_, x(), y.view());
         keep("elastic gradient", View<const Vec3d>(y.view()));
-        keep("friction unrest", {objective_.friction_unrest(exec_, x(), p(), 0.0)});
+        keep("friction unrest",
+             {exec_.value(objective_.friction_unrest(exec_, x(), p(), 0.0))});
     }
 
     void bounds() {
         const InversionBound inversion =
-            objective_.inversion_bound_along(exec_, x(), p(), 0.2);
+            objective_.inversion_bound_along(exec_, x(), p(), 0.2).value(exec_);
         keep("inversion bound", {inversion.alpha});
         collision_.find_candidates_along(exec_, x(), p(), 1.0, in_.dhat);
         const StepBound bound = collision_.bound(exec_, x(), p(), 1.0, 0.0);

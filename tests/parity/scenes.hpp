@@ -5,8 +5,6 @@
 
 #include "noli/scene.hpp"
 
-#include "step/settings.hpp"
-
 #include <string>
 #include <vector>
 
@@ -96,20 +94,6 @@ inline Scene squeezed_ball() {
 inline constexpr int kNumParityScenes = 4;
 inline std::vector<Scene> parity_scenes() {
     return {pile_of_boxes(), tower_of_boxes(), twisted_bar(), squeezed_ball()};
-}
-
-inline StepSettings parity_settings(const Scene& scene, const Model& model) {
-    StepSettings out;
-    out.dt = scene.dt;
-    out.dhat = model.dhat;
-    out.epsv = model.epsv;
-    out.diagonal = model.diagonal;
-    out.mean_mass = model.mean_mass;
-    out.has_friction = true;
-    out.contact = scene.contact;
-    out.damping = scene.damping;
-    out.solver = scene.solver;
-    return out;
 }
 
 }  // namespace noli::test

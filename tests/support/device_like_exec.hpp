@@ -6,13 +6,13 @@
 /// of memory.
 
 #include "exec/cpu.hpp"
+#include "exec/device_buffer.hpp"
 #include "exec/device_full.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <new>
 #include <sys/mman.h>
-#include <utility>
 #include <vector>
 
 namespace noli::test {
@@ -86,76 +86,42 @@ class DeviceMemory {
                                       << 33;  // of addresses, not of memory
 };
 
-/// New memory holds NaN.
-template <class T>
-class ClosedBuffer {
-  public:
-    ClosedBuffer() = default;
-    ~ClosedBuffer() { release(); }
-    ClosedBuffer(const ClosedBuffer&) = delete;
-    ClosedBuffer& operator=(const ClosedBuffer&) = delete;
-    ClosedBuffer(ClosedBuffer&& other) noexcept
-        : data_(std::exchange(other.data_, nullptr)),
-          size_(std::exchange(other.size_, 0)),
-          capacity_(std::exchange(other.capacity_, 0)) {}
-    ClosedBuffer& operator=(ClosedBuffer&& other) noexcept {
-        std::swap(data_, other.data_);
-        std::swap(size_, other.size_);
-        std::swap(capacity_, other.capacity_);
-        return *this;
+/// That memory as a DeviceBuffer takes it. New memory holds NaN.
+struct ClosedMemory {
+    static int room_for(int n) { return 2 * n; }
+    static void settle() {}
+    static void* take(std::size_t bytes) {
+        void* out = DeviceMemory::take(bytes);
+        DeviceMemory::asked() += bytes / 2;
+        const DeviceMemory::Open open;
+        std::memset(out, 0xFF, bytes);
+        return out;
     }
-
-    void resize(int n) {
-        if (n > capacity_) {
-            const int capacity = 2 * n;
-            release();  // as on a GPU: full or not, the old memory is gone
-            const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(capacity);
-            data_ = static_cast<T*>(DeviceMemory::take(bytes));
-            capacity_ = capacity;
-            DeviceMemory::asked() += bytes / 2;
-            const DeviceMemory::Open open;
-            std::memset(static_cast<void*>(data_), 0xFF, bytes);
-        }
-        size_ = n;
+    static void give_back(void* /*p*/, std::size_t bytes) {
+        DeviceMemory::asked() -= bytes / 2;
+        DeviceMemory::give_back();
     }
-    [[nodiscard]] int size() const { return size_; }
-    [[nodiscard]] std::size_t bytes() const {
-        return sizeof(T) * static_cast<std::size_t>(capacity_);
-    }
-    View<T> view() { return {data_, size_}; }
-    [[nodiscard]] View<const T> view() const { return {data_, size_}; }
-
-  private:
-    void release() {
-        if (data_ != nullptr) {
-            DeviceMemory::asked() -= bytes() / 2;
-            DeviceMemory::give_back();
-        }
-        data_ = nullptr;
-        size_ = capacity_ = 0;
-    }
-
-    T* data_ = nullptr;
-    int size_ = 0;
-    int capacity_ = 0;
 };
+
+template <class T>
+using ClosedBuffer = DeviceBuffer<T, ClosedMemory>;
 
 /// What crossed between host and device.
 struct BusTraffic {
     long bytes = 0;
-    long largest = 0;    ///< bytes of the largest transfer
-    long arriving = 0;   ///< bytes of downloads that nobody waits for at once
-    long downloads = 0;  ///< times that the host waits for the device
-    long launches = 0;   ///< loops
+    long largest = 0;   ///< bytes of the largest transfer
+    long arriving = 0;  ///< bytes of downloads that nobody waits for at once
+    long waits = 0;     ///< of the host for the device: transfers of both directions
+    long launches = 0;  ///< loops
 
-    void add(std::size_t size, bool to_host) {
+    void add(std::size_t size) {
         bytes += static_cast<long>(size);
         largest = std::max(largest, static_cast<long>(size));
-        downloads += to_host ? 1 : 0;
+        ++waits;
     }
 };
 
-class DeviceLikeExec {
+class DeviceLikeExec : public LaterNumbers<DeviceLikeExec, ClosedBuffer<double>> {
   public:
     template <class T>
     using Buffer = ClosedBuffer<T>;
@@ -199,18 +165,19 @@ class DeviceLikeExec {
         host_.record(to, longest, f);
     }
     void replay(Recording& from) { host_.replay(from); }
-    template <class F>
-    double min(const char* name, int n, F f) {
+    template <class F, class G>
+    void min_then(const char* name, int n, F f, G g) {
         const DeviceMemory::Open open;
         ++traffic().launches;
-        traffic().add(sizeof(double), true);
-        return host_.min(name, n, f);
+        host_.min_then(name, n, f, g);
     }
-    int scan(const char* name, View<const int> counts, View<int> offsets) {
+    void scan_then(const char* name,
+                   View<const int> counts,
+                   View<int> offsets,
+                   double* total) {
         const DeviceMemory::Open open;
         ++traffic().launches;
-        traffic().add(sizeof(int), true);
-        return host_.scan(name, counts, offsets);
+        host_.scan_then(name, counts, offsets, total);
     }
     template <class Key>
     void sort_by_key(const char* name, View<Key> keys, View<int> values) {
@@ -221,13 +188,14 @@ class DeviceLikeExec {
     template <class T>
     void upload(const std::vector<T>& from, ClosedBuffer<T>& to) {
         to.resize(static_cast<int>(from.size()));
-        traffic().add(sizeof(T) * from.size(), false);
+        if (from.empty()) return;
+        traffic().add(sizeof(T) * from.size());
         const DeviceMemory::Open open;
         std::copy(from.begin(), from.end(), to.view().begin());
     }
     template <class T>
     void download(View<const T> from, std::vector<T>& to) {
-        traffic().add(sizeof(T) * static_cast<std::size_t>(from.size), true);
+        traffic().add(sizeof(T) * static_cast<std::size_t>(from.size));
         const DeviceMemory::Open open;
         host_.download(from, to);
     }
@@ -246,7 +214,7 @@ class DeviceLikeExec {
     }
     template <class T>
     T read(View<const T> from, int i) {
-        traffic().add(sizeof(T), true);
+        traffic().add(sizeof(T));
         const DeviceMemory::Open open;
         return from[i];
     }

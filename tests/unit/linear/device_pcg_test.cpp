@@ -226,9 +226,9 @@ TEST(DevicePcg, AsksTheHostOncePerBatchWhateverTheSize) {
             pcg.solve(exec, matrix, terms, rhs.view(), held.view(), options, x.view());
         EXPECT_EQ(result.outcome, PcgResult::Outcome::Converged);
         const BusTraffic& traffic = DeviceLikeExec::traffic();
-        EXPECT_LE(traffic.downloads, 2 + result.iterations / 16);
+        EXPECT_LE(traffic.waits, 1 + (result.iterations + 15) / 32);
         EXPECT_LE(traffic.largest, static_cast<long>(sizeof(PcgState)));
-        bytes[k] = traffic.bytes / (traffic.downloads + 1);
+        bytes[k] = traffic.bytes / traffic.waits;
         iterations[k++] = result.iterations;
     }
     EXPECT_GT(iterations[0], 16);

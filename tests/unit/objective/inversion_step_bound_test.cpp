@@ -45,8 +45,10 @@ void expect_bounds_of_each(const RandomMesh& mesh, double size) {
     device.upload(exec, mesh.model);
     const std::vector<Vec3d> p = motion(mesh, size);
     HostBuffer<double> per_tet;
-    const InversionBound got = inversion_step_bound(
-        exec, device, view_of(mesh.model.x0), view_of(p), kKeep, per_tet);
+    const InversionBound got =
+        inversion_step_bound(
+            exec, device, view_of(mesh.model.x0), view_of(p), kKeep, per_tet)
+            .value(exec);
     double least = 1.0;
     for (int t = 0; t < mesh.model.num_tets(); ++t) {
         EXPECT_EQ(per_tet.view()[t], bound_of(mesh, p, t)) << size << ' ' << t;

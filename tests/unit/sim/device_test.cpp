@@ -6,6 +6,7 @@
 #include "linear/block_pattern.hpp"
 #include "sim/estimate.hpp"
 #include "sim/guarded_engine.hpp"
+#include "sim/step_settings.hpp"
 #include "support/device_like_exec.hpp"
 
 #include <gtest/gtest.h>
@@ -45,20 +46,6 @@ Scene pile() {
 
 constexpr int kSteps = 12;
 
-StepSettings settings_of(const Scene& scene, const Model& model) {
-    StepSettings out;
-    out.dt = scene.dt;
-    out.dhat = model.dhat;
-    out.epsv = model.epsv;
-    out.diagonal = model.diagonal;
-    out.mean_mass = model.mean_mass;
-    out.has_friction = true;
-    out.contact = scene.contact;
-    out.damping = scene.damping;
-    out.solver = scene.solver;
-    return out;
-}
-
 double largest_difference(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
     double largest = a.size() == b.size() ? 0.0 : HUGE_VAL;
     for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
@@ -71,7 +58,7 @@ void expect_device_text_matches_cpu(const Scene& scene) {
     ASSERT_TRUE(model) << model.error().message;
     const BlockPattern pattern =
         build_block_pattern(model.value().num_vertices, model.value().tets);
-    const StepSettings settings = settings_of(scene, model.value());
+    const StepSettings settings = step_settings(scene, model.value());
     const EngineInput input{model.value(), pattern, settings, scene.gravity, 1};
     EngineOn<DeviceLikeExec> device(input);
     const std::unique_ptr<Engine> cpu = make_cpu_engine(input);
@@ -135,7 +122,7 @@ struct Counted {
 Counted count_traffic(const Scene& scene) {
     const Model model = build_model(scene).value();
     const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
-    const StepSettings settings = settings_of(scene, model);
+    const StepSettings settings = step_settings(scene, model);
     EngineOn<DeviceLikeExec> device({model, pattern, settings, scene.gravity, 1});
     device.step();  // everything that is constant has been uploaded
     Counted out;
@@ -158,7 +145,8 @@ TEST(DeviceTraffic, IsAHandfulOfScalarsPerNewtonIterationWhateverTheMesh) {
     for (const Counted& run : {small, large}) {
         // The state of PCG is the largest; nothing is per vertex or per pair.
         EXPECT_LE(run.traffic.largest, 256);
-        EXPECT_LE(run.traffic.bytes, 2048L * run.newton);
+        EXPECT_LE(run.traffic.bytes, 1024L * run.newton);
+        EXPECT_LE(run.traffic.waits, 10L * run.newton);
         // One copy of the positions per step starts on its way and is not waited for.
         EXPECT_EQ(run.traffic.arriving, run.steps * 24L * run.num_vertices);
     }
@@ -169,7 +157,7 @@ TEST(DeviceTraffic, IsAHandfulOfScalarsPerNewtonIterationWhateverTheMesh) {
     RecordProperty("bytes_per_newton_small", static_cast<int>(per_newton(small)));
     RecordProperty("bytes_per_newton_large", static_cast<int>(per_newton(large)));
     RecordProperty("waits_per_newton_large",
-                   static_cast<int>(large.traffic.downloads / large.newton));
+                   static_cast<int>(large.traffic.waits / large.newton));
     RecordProperty("loops_per_newton_large",
                    static_cast<int>(large.traffic.launches / large.newton));
 }
@@ -191,7 +179,7 @@ TEST(GuardedEngine, ReportsAFullDeviceAndKeepsTheLastWholeStep) {
     scene.bodies[0].transform.rows[1][3] = 0.53;  // some steps of free fall first
     const Model model = build_model(scene).value();
     const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
-    const StepSettings settings = settings_of(scene, model);
+    const StepSettings settings = step_settings(scene, model);
     const EngineInput input{model, pattern, settings, scene.gravity, 1};
     GuardedEngine<DeviceLikeExec> engine(input, "a small device");
     ASSERT_EQ(engine.step().outcome, Outcome::Converged);
@@ -224,7 +212,7 @@ TEST(GuardedEngine, ThrowsWhenTheDeviceIsFullFromTheStart) {
     const Scene scene = pile();
     const Model model = build_model(scene).value();
     const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
-    const StepSettings settings = settings_of(scene, model);
+    const StepSettings settings = step_settings(scene, model);
     test::DeviceMemory::limit() = 100000;
     EXPECT_THROW(GuardedEngine<DeviceLikeExec>(
                      {model, pattern, settings, scene.gravity, 1}, "a tiny device"),
@@ -237,7 +225,7 @@ TEST(DeviceEstimate, IsNearWhatARunTakes) {
         const Scene scene = drop(cells);
         const Model model = build_model(scene).value();
         const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
-        const StepSettings settings = settings_of(scene, model);
+        const StepSettings settings = step_settings(scene, model);
         EngineOn<DeviceLikeExec> device({model, pattern, settings, scene.gravity, 1});
         for (int k = 0; k < 2; ++k)
             ASSERT_EQ(device.step().outcome, Outcome::Converged);
@@ -254,7 +242,7 @@ TEST(DeviceEstimate, SaysWithNumbersThatMemoryDoesNotSuffice) {
     const Scene scene = drop(6);
     const Model model = build_model(scene).value();
     const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
-    const StepSettings settings = settings_of(scene, model);
+    const StepSettings settings = step_settings(scene, model);
     const EngineInput input{model, pattern, settings, scene.gravity, 1};
     const CudaDevice gpu{"GPU", std::size_t{1} << 30};
     EXPECT_EQ(device_memory_trouble(input, gpu, std::size_t{1} << 34, 1), "");
