@@ -143,6 +143,7 @@ enum class ContactModel { Gn, GnPlus, Exact, Numeric };
 enum class MollifierModel { TwoMode, FourMode, Exact };
 enum class Integrator { ImplicitEuler, Bdf2, Newmark };
 enum class LinearSolver { Pcg, Cholmod, BlockJacobi };
+enum class ContactProduct { Modes, Warp };
 
 struct ContactSettings {
     bool enabled = true;
@@ -186,6 +187,8 @@ struct SolverSettings {
         tolerance_per_step;  ///< overrides `tolerance` for step k; the last one repeats
     int max_newton = 1000;
     LinearSolver linear = LinearSolver::Pcg;
+    /// How conjugate gradients apply contacts. Warp: as the supplement does.
+    ContactProduct contact_product = ContactProduct::Modes;
     double pcg_tolerance = 0.0;  ///< on r^T P^-1 r, relative (MATH 10); 0 = automatic
     int max_pcg = 20000;
 };

@@ -9,6 +9,7 @@
 #include "exec/lanes.hpp"
 #include "exec/later.hpp"
 #include "exec/team.hpp"
+#include "exec/warp.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -138,14 +139,16 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
         });
     }
 
-    /// f(0) + ... + f(n-1), added in an order that only n determines.
+    /// f(warp, first) for every warp of n threads, `first` the number of its first one:
+    /// see exec/warp.hpp. On the CPU warps run one after another.
     template <class F>
-    double sum(const char* /*name*/, int n, F f) {
-        return reduce(n, 0.0, f, [](double a, double b) { return a + b; });
+    void for_warps(const char* /*name*/, std::uint32_t n, F f) {
+        for (std::uint32_t first = 0; first < n; first += kWarpLanes)
+            f(SimulatedWarp{}, first);
     }
 
-    /// g(f(0) + ... + f(n-1)), the bits of `sum`. g is part of the loop: it runs once,
-    /// and on a device the sum does not come to the host.
+    /// g(f(0) + ... + f(n-1)), added in an order that only n determines. g is part of the
+    /// loop: it runs once, and on a device the sum does not come to the host.
     template <class F, class G>
     void sum_then(const char* /*name*/, int n, F f, G g) {
         g(reduce(n, 0.0, f, [](double a, double b) { return a + b; }));

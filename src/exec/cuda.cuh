@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The CUDA executor: the same interface as exec/cpu.hpp on one GPU. All kernels of
-/// the simulator are launched here (linear/warp_product.cuh launches its own, for
-/// comparison). Reductions use a fixed partition, and no loop adds numbers atomically, so
-/// results repeat bitwise on one kind of device.
+/// the simulator are launched here. Reductions use a fixed partition, and no loop but
+/// for_warps (exec/cuda_warp.cuh) adds numbers atomically, so results repeat bitwise on
+/// one kind of device.
 
 #include "core/view.hpp"
 #include "exec/cuda_kernels.cuh"
 #include "exec/cuda_memory.cuh"
+#include "exec/cuda_warp.cuh"
+#include "exec/later.hpp"
 
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
@@ -100,8 +102,11 @@ class CudaExec : public LaterNumbers<CudaExec, CudaBuffer<double>> {
     }
 
     template <class F>
-    double sum(const char* name, int n, F f) {
-        return reduce(name, n, 0.0, detail::Add{}, f);
+    void for_warps(const char* name, std::uint32_t n, F f) {
+        if (n == 0) return;
+        constexpr std::uint32_t kBlock = detail::kWarpThreads;
+        detail::run_warp_kernel<<<(n - 1) / kBlock + 1, kBlock, 0, stream_>>>(f);
+        launched(name);
     }
 
     template <class F, class G>

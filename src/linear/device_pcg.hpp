@@ -11,6 +11,7 @@
 /// Jacobi.
 
 #include "linear/block_jacobi.hpp"
+#include "linear/dense_terms.hpp"
 #include "linear/pcg_options.hpp"
 #include "linear/rigid_coarse.hpp"
 #include "linear/schwarz_banks.hpp"
@@ -253,6 +254,8 @@ class DevicePcg {
         q_.resize(n);
         use_banks_ = options.preconditioner == PreconditionerKind::Schwarz;
         use_coarse_ = options.positions.size > 0 && coarse_.available();
+        use_dense_ = options.contacts_by_warps;
+        if (use_dense_) dense_.build(exec, terms);
         if (!use_banks_) jacobi_.build(exec, matrix, terms, fixed);
         if (!use_banks_ && !use_coarse_) return;
         const OperatorRows op = operator_rows(exec, matrix, terms, fixed, touched_index_);
@@ -296,7 +299,11 @@ class DevicePcg {
             detail::GuardedProductKernel{
                 state,
                 {matrix.row_begin(), matrix.col(), matrix.values(), p, q_.view()}});
-        terms.multiply_add(exec, p, q_.view(), &state_.view().data->skip);
+        const bool* skip = &state_.view().data->skip;
+        if (use_dense_)
+            dense_.multiply_add(exec, p, q_.view(), skip);
+        else
+            terms.multiply_add(exec, p, q_.view(), skip);
         detail::device_curvature(exec, state_.view(), p, q);
         if (use_banks_ || use_coarse_) {
             detail::device_advance(exec, state, p, q, x, r_.view());
@@ -337,6 +344,8 @@ class DevicePcg {
     RigidCoarse<Exec> coarse_;
     bool use_banks_ = false;
     bool use_coarse_ = false;
+    DenseTerms<Exec> dense_;
+    bool use_dense_ = false;
     typename Exec::template Buffer<Vec3d> r_, z_, p_, q_;
     typename Exec::template Buffer<int> touched_index_;
     typename Exec::template Buffer<PcgState> state_;

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace noli {
 
@@ -172,6 +173,11 @@ double mode_quadratic_form(Exec& exec,
 
 }  // namespace detail
 
+/// Terms first, ..., first + count - 1 use their first `points` slots.
+struct TermRun {
+    int first, count, points;
+};
+
 /// Sum of rank-one matrices over terms of up to four vertices. Whoever owns the terms
 /// fills the three public arrays and calls build_incidence; all else reads them.
 template <class Exec>
@@ -184,6 +190,7 @@ class LowRankTerms {
     Buffer<int> first_mode;  ///< num_terms + 1, ascending: modes of term t are [t], ...,
                              ///< [t+1] - 1
     Buffer<Mode> modes;      ///< all modes; slots that the term does not use must be zero
+    std::vector<TermRun> runs;  ///< all terms by number of points; only DenseTerms asks
 
     /// Sizes the three arrays; contents are undefined afterwards.
     void resize(int num_terms, int num_modes) {

@@ -12,6 +12,9 @@
 /// and the dot product that follows them share one pass: Exec::sum calls its kernel once
 /// per index, and the kernel may write.
 
+#if !defined(__CUDACC__)
+#include "exec/cpu.hpp"
+#endif
 #include "linear/block_jacobi.hpp"
 #include "linear/device_pcg.hpp"
 #include "linear/gauss_seidel_cg.hpp"
@@ -95,6 +98,10 @@ double dot_product(Exec& exec, View<const Vec3d> a, View<const Vec3d> b) {
 
 }  // namespace detail
 
+#if !defined(__CUDACC__)
+extern template class DevicePcg<CpuExec>;  // device_pcg_cpu.cpp
+#endif
+
 /// Conjugate gradient solver; keeps its work arrays from one solve to the next.
 template <class Exec>
 class Pcg {
@@ -112,11 +119,12 @@ class Pcg {
                     const PcgOptions& options,
                     View<Vec3d> x) {
         if constexpr (!Exec::kIsDevice) {
-            if (options.preconditioner == PreconditionerKind::GaussSeidel)
+            if (options.preconditioner == PreconditionerKind::GaussSeidel
+                && !options.contacts_by_warps)
                 return gauss_seidel_.solve(exec, matrix, terms, b, fixed, options, x);
-        } else {
-            return device_.solve(exec, matrix, terms, b, fixed, options, x);
         }
+        if (Exec::kIsDevice || options.contacts_by_warps)
+            return device_.solve(exec, matrix, terms, b, fixed, options, x);
         resize(matrix.num_rows());
         PcgResult result;
         result.preconditioner = build(exec, matrix, terms, fixed, options.preconditioner);

@@ -31,6 +31,9 @@ struct PcgOptions {
     /// `fine_tolerance`. Host memory only; may be empty.
     std::function<bool(View<const Vec3d> x)> refine;
     double fine_tolerance = 1e-4;
+    /// Contacts as dense blocks, multiplied by warps (linear/dense_terms.hpp). With the
+    /// preconditioners that conjugate gradients have on a device; others are not used.
+    bool contacts_by_warps = false;
     /// (num_rows) multiple of the identity in each row, or empty: lets a solver tell
     /// whether single precision can store the matrix.
     View<const double> inertia = {};

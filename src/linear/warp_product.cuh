@@ -1,42 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The product of linear/warp_product.hpp on a GPU: one thread per scalar entry.
+/// The product of linear/warp_product.hpp on a GPU, for any range of entries and any size
+/// of thread blocks: for its tests. The engine launches it through CudaExec::for_warps.
 
 #include "exec/cuda.cuh"
 #include "linear/warp_product.hpp"
 
 namespace noli {
-
-/// The warp that this thread is in; a register holds this thread's value. All 32 lanes
-/// must be present in every call, so threads past the end may not return early.
-struct CudaWarp {
-    template <class T>
-    using Register = T;
-    static constexpr unsigned kAllLanes = 0xffffffffU;
-
-    int lane;
-
-    template <class F>
-    __device__ auto each(F f) const {
-        return f(lane);
-    }
-    template <class F>
-    __device__ void run(F f) const {
-        f(lane);
-    }
-    template <class T>
-    __device__ static const T& at(const T& r, int /*lane*/) {
-        return r;
-    }
-    template <class F>
-    __device__ std::uint32_t ballot(F f) const {
-        return __ballot_sync(kAllLanes, f(lane));
-    }
-    __device__ static double shuffle_down(double value, int delta) {
-        return __shfl_down_sync(kAllLanes, value, static_cast<unsigned>(delta));
-    }
-    __device__ static void add(double& to, double amount) { atomicAdd(&to, amount); }
-};
 
 namespace detail {
 
@@ -71,21 +41,6 @@ void launch_warp_product(const DenseBlockView<kSize, kDim>& blocks,
     const unsigned grid = (range.end - range.begin + threads - 1) / threads;
     detail::warp_product_kernel<<<grid, threads>>>(blocks, range, c, y);
     check_cuda(cudaGetLastError(), "linear/warp_product");
-}
-
-/// y += H c for the four buffers of a WarpProduct, one launch each.
-inline void launch_warp_product(const WarpProduct<CudaExec>& product,
-                                View<const Vec3d> c,
-                                View<Vec3d> y) {
-    constexpr int kThreads = 256;
-    const auto launch = [&](const auto& blocks) {
-        launch_warp_product(
-            blocks, {0, blocks.num_entries()}, kThreads, components(c), components(y));
-    };
-    launch(product.point_point.view());
-    launch(product.point_edge.view());
-    launch(product.point_triangle.view());
-    launch(product.edge_edge.view());
 }
 
 }  // namespace noli

@@ -2,7 +2,7 @@
 #pragma once
 /// Dense Hessian blocks per contact pair and their matrix-free product y += H c by
 /// segmented warp reduction: the supplement's data-parallel solver, kept for comparison
-/// with linear/low_rank.hpp. The CUDA kernel is in linear/warp_product.cuh.
+/// with linear/low_rank.hpp. linear/dense_terms.hpp has it as an operator of the solver.
 ///
 /// One thread owns one scalar entry of one block. All blocks of a buffer have one size,
 /// so entry number i, counted over the whole buffer, is
@@ -47,6 +47,7 @@
 
 #include "core/stencil.hpp"
 #include "core/view.hpp"
+#include "exec/warp.hpp"
 #include "linear/low_rank.hpp"
 
 #include <bit>
@@ -55,8 +56,6 @@
 #include <limits>
 
 namespace noli {
-
-inline constexpr int kWarpLanes = 32;
 
 /// Blocks of kSize x kSize numbers on kSize / kDim vertices each, in any memory.
 template <int kSize, int kDim = 3>
@@ -76,6 +75,15 @@ struct DenseBlockView {
         return kDim * vertices[kPoints * block + i / kDim] + i % kDim;
     }
 };
+
+/// The same numbers one by one, as the warp product reads them.
+NOLI_HD inline View<const double> components(View<const Vec3d> v) {
+    static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+    return {reinterpret_cast<const double*>(v.data), 3 * v.size};
+}
+NOLI_HD inline View<double> components(View<Vec3d> v) {
+    return {reinterpret_cast<double*>(v.data), 3 * v.size};
+}
 
 /// The entries [begin, end) of a buffer; either end may lie inside a row.
 struct EntryRange {
@@ -145,11 +153,10 @@ NOLI_HD inline int reduction_interval(std::uint32_t boundaries, int lane) {
 
 /// One warp's part of y += H c: entries first, ..., first + 31, none at or past `end`.
 ///
-/// The text of all 32 lanes at once. What differs by lane is a Warp::Register, made by
-/// each() and read by at(): one value per thread on a GPU, 32 values on the host. In
-/// shuffle_down every lane sees its neighbours' values from before the addition. The loop
-/// doubles the reach of every sum: after the steps 1, 2, .., s a lane holds the sum of
-/// the next min(2 s, interval + 1) entries.
+/// The text of all 32 lanes at once, see exec/warp.hpp. In shuffle_down every lane sees
+/// its neighbours' values from before the addition. The loop doubles the reach of every
+/// sum: after the steps 1, 2, .., s a lane holds the sum of the next min(2 s, interval +
+/// 1) entries.
 template <int kSize, int kDim, class Warp>
 NOLI_HD inline void warp_multiply_add(Warp warp,
                                       std::uint32_t first,
@@ -179,59 +186,6 @@ NOLI_HD inline void warp_multiply_add(Warp warp,
             warp.add(y[blocks.global_index(e.block, e.row)], warp.at(sum, lane));
     });
 }
-
-/// A warp on the host, all lanes in lockstep, with CUDA's rules for what lanes exchange.
-struct SimulatedWarp {
-    template <class T>
-    struct Register {
-        T lane[kWarpLanes];
-    };
-    std::uint32_t active = ~std::uint32_t{0};  ///< lanes that have not returned
-    int* num_writes = nullptr;                 ///< counts the additions, if given
-
-    template <class F>
-    NOLI_HD auto each(F f) const {
-        Register<decltype(f(0))> out{};
-        for (int lane = 0; lane < kWarpLanes; ++lane)
-            if (is_active(lane)) out.lane[lane] = f(lane);
-        return out;
-    }
-    template <class F>
-    NOLI_HD void run(F f) const {
-        for (int lane = 0; lane < kWarpLanes; ++lane)
-            if (is_active(lane)) f(lane);
-    }
-    template <class T>
-    NOLI_HD static const T& at(const Register<T>& r, int lane) {
-        return r.lane[lane];
-    }
-    /// Bit l says what f(l) is; 0 for lanes that have returned.
-    template <class F>
-    NOLI_HD std::uint32_t ballot(F f) const {
-        std::uint32_t bits = 0;
-        for (int lane = 0; lane < kWarpLanes; ++lane)
-            if (is_active(lane) && f(lane)) bits |= std::uint32_t{1} << lane;
-        return bits;
-    }
-    /// Lane l gets the value of lane l + delta, its own where there is no such lane, and
-    /// NaN from a lane that has returned (undefined on a GPU).
-    NOLI_HD Register<double> shuffle_down(const Register<double>& r, int delta) const {
-        Register<double> out{};
-        for (int lane = 0; lane < kWarpLanes; ++lane) {
-            const int from = lane + delta < kWarpLanes ? lane + delta : lane;
-            out.lane[lane] =
-                is_active(from) ? r.lane[from] : std::numeric_limits<double>::quiet_NaN();
-        }
-        return out;
-    }
-    NOLI_HD void add(double& to, double amount) const {
-        to += amount;
-        if (num_writes != nullptr) ++*num_writes;
-    }
-    [[nodiscard]] NOLI_HD bool is_active(int lane) const {
-        return ((active >> lane) & 1U) != 0;
-    }
-};
 
 /// y += H c over the entries of `range`, as a grid of whole thread blocks would compute
 /// it. threads_per_block must be a multiple of 32. Returns the number of additions to y
@@ -395,14 +349,5 @@ class WarpProduct {
     LowRankTerms<Exec> terms_;  // no modes: only who touches which vertex
     typename Exec::template Buffer<Vec3d> forces_;
 };
-
-/// The same numbers one by one, as the warp product reads them.
-inline View<const double> components(View<const Vec3d> v) {
-    static_assert(sizeof(Vec3d) == 3 * sizeof(double));
-    return {reinterpret_cast<const double*>(v.data), 3 * v.size};
-}
-inline View<double> components(View<Vec3d> v) {
-    return {reinterpret_cast<double*>(v.data), 3 * v.size};
-}
 
 }  // namespace noli

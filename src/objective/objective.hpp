@@ -155,6 +155,7 @@ class Objective {
         exec.copy(View<const double>(device_.mass.view()), mass_.view());
         fixed_ = fixed;
         friction_.resize(0);
+        friction_counts_ = {};
         if (scales.stiffness_damping > 0.0) update_damping(exec);
     }
 
@@ -176,6 +177,7 @@ class Objective {
                          View<const Vec3d> x,
                          const ContactLaw& law) {
         lag_friction(exec, device_, pairs, planes_.view(), x, law.barrier, friction_);
+        friction_counts_ = counts_by_points(pairs);
     }
 
     /// E(x) with the active pairs of x, J times h^2-scale.
@@ -359,6 +361,22 @@ class Objective {
             mass_.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
     }
 
+    /// Pairs on two, three, four points and one, in the order of their terms.
+    using PointCounts = std::array<int, 4>;
+    static PointCounts counts_by_points(const PairSet<Exec>& pairs) {
+        return {pairs.pp.size(),
+                pairs.pe.size(),
+                pairs.pt.size() + pairs.ee.size() + pairs.mollified.size(),
+                pairs.planes.size()};
+    }
+    static void add_runs(const PointCounts& counts, std::vector<TermRun>& runs) {
+        constexpr std::array<int, 4> kPoints{2, 3, 4, 1};
+        for (std::size_t k = 0; k < counts.size(); ++k) {
+            const int first = runs.empty() ? 0 : runs.back().first + runs.back().count;
+            runs.push_back({first, counts[k], kPoints[k]});
+        }
+    }
+
     /// The elastic Hessian at the step's start, scaled so that its quadratic form of the
     /// displacement is twice the damping energy.
     void update_damping(Exec& exec) {
@@ -391,6 +409,9 @@ class Objective {
                             + 2 * num_friction;
         const int num_terms = pairs.size() + num_friction;
         terms_.resize(num_terms, num_modes);
+        terms_.runs.clear();
+        add_runs(counts_by_points(pairs), terms_.runs);
+        if (with_friction) add_runs(friction_counts_, terms_.runs);
         term_gradients_.resize(4 * num_terms);
         TermRange at{terms_.vertices.view(),
                      terms_.first_mode.view(),
@@ -438,6 +459,7 @@ class Objective {
     bool has_damping_pattern_ = false;
     LowRankTerms<Exec> terms_;
     Buffer<FrictionTerm> friction_;
+    PointCounts friction_counts_{};
     Buffer<CollisionMesh::Plane> planes_;
     Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_,
         term_gradients_;

@@ -65,6 +65,13 @@ inline constexpr std::array kLinearSolvers{
     Choice{LinearSolver::BlockJacobi,
            "block_jacobi",
            "conjugate gradients as on a GPU, for comparison"}};
+inline constexpr std::array kContactProducts{
+    Choice{ContactProduct::Modes, "modes", "a few vectors per contact"},
+    Choice{
+        ContactProduct::Warp,
+        "warp",
+        "a dense block per contact and Algorithm 1 of the supplement, on a CPU simulated "
+        "lane by lane; for comparison"}};
 
 template <class E, std::size_t n>
 std::span<const Choice<E>> all(const std::array<Choice<E>, n>& choices) {
@@ -423,6 +430,11 @@ void visit_fields(V& v, SolverSettings& s) {
              d.linear,
              all(kLinearSolvers),
              "Solver of the linear systems.");
+    v.choice("contact_product",
+             s.contact_product,
+             d.contact_product,
+             all(kContactProducts),
+             "How conjugate gradients multiply with the contacts' Hessians.");
     v.number("pcg_tolerance",
              s.pcg_tolerance,
              d.pcg_tolerance,

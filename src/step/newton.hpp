@@ -50,6 +50,7 @@ class Newton {
                 .hessian = hessian_of(settings.contact.hessian),
                 .mollified = hessian_of(settings.contact.mollifier)};
         range_ = stiffness_range(settings);
+        by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
         use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
                    && settings.solver.linear != LinearSolver::BlockJacobi;
         for (std::size_t t = 0; t < model.tets.size(); ++t)
@@ -275,6 +276,7 @@ class Newton {
             .preconditioner = settings_.solver.linear == LinearSolver::BlockJacobi
                                 ? PreconditionerKind::BlockJacobi
                                 : PreconditionerKind::GaussSeidel,
+            .contacts_by_warps = by_warps_,
             .inertia = objective_.inertia_diagonal()};
         if (use_coarse_) options.positions = x;
         if (asked > 0.0) {
@@ -407,6 +409,7 @@ class Newton {
     View<const std::uint8_t> fixed_{};
     double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
     bool use_coarse_ = false;     ///< rigid modes in the linear solver
+    bool by_warps_ = false;       ///< contacts multiplied as in the supplement
     bool yielded_ = false;
     Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;

@@ -3,6 +3,7 @@
 /// Every loop of a Newton iteration, run once on one executor from given positions, and
 /// all that came out of it: what is compared between executors.
 
+#include "linear/dense_terms.hpp"
 #include "linear/device_pcg.hpp"
 #include "objective/objective.hpp"
 #include "step/boundary_upload.hpp"
@@ -21,6 +22,7 @@ struct LoopResult {
     std::string name;
     std::vector<double> values;
     bool is_exact = false;  ///< indices and counts: no rounding anywhere
+    bool repeats = true;    ///< the same bits whenever it runs on one device
 };
 
 /// Where the loops start.
@@ -166,6 +168,12 @@ class LoopRun {
         keep("quadratic forms",
              {objective_.matrix().quadratic_form(exec_, p()),
               objective_.terms().quadratic_form(exec_, p())});
+        DenseTerms<Exec> dense;
+        dense.build(exec_, objective_.terms());
+        detail::set_zero(exec_, y.view());
+        dense.multiply_add(exec_, p(), y.view());
+        keep("contact product by warps", View<const Vec3d>(y.view()));
+        out_.back().repeats = false;
         objective_.contact_forces(exec_, x(), pairs_, law_, y.view());
         keep("contact forces", View<const Vec3d>(y.view()));
         objective_.elastic_gradient_at(exec_, x(), y.view());

@@ -65,6 +65,7 @@ class Flat {
             o.tolerance_per_step,
             o.max_newton,
             o.linear,
+            o.contact_product,
             o.pcg_tolerance,
             o.max_pcg);
         add("output",

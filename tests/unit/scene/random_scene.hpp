@@ -198,6 +198,7 @@ class RandomScene {
             o.tolerance_per_step.push_back(positive());
         o.max_newton = between(1, 100000);
         o.linear = pick<LinearSolver>(2);
+        o.contact_product = pick<ContactProduct>(2);
         o.pcg_tolerance = 1e-6;
         o.max_pcg = between(1, 100000);
         s.output.every = between(0, 5);

@@ -111,6 +111,35 @@ TEST(DeviceText, DoesSoWithTheDirectSolver) {
     expect_device_text_matches_cpu(scene);
 }
 
+template <class Exec>
+std::vector<Vec3d> positions_after_steps(const Scene& scene, const Model& model) {
+    const BlockPattern pattern = build_block_pattern(model.num_vertices, model.tets);
+    const StepSettings settings = step_settings(scene, model);
+    EngineOn<Exec> engine({model, pattern, settings, scene.gravity, 1});
+    for (int k = 0; k < kSteps; ++k)
+        EXPECT_EQ(engine.step().outcome, Outcome::Converged);
+    return engine.positions();
+}
+
+/// Each step ends within tolerance * dt of the same minimum, whatever the product.
+TEST(ContactProduct, OfTheSupplementGivesTheSameMotionOnEveryExecutor) {
+    Scene scene = pile();
+    scene.solver.tolerance = 1e-4;
+    scene.solver.pcg_tolerance = 1e-8;
+    const Model model = build_model(scene).value();
+    const std::vector<Vec3d> modes = positions_after_steps<SerialExec>(scene, model);
+    scene.solver.contact_product = ContactProduct::Warp;
+    const std::vector<Vec3d> warp = positions_after_steps<SerialExec>(scene, model);
+    const double tolerance = model.tolerance(scene.solver, 0) * scene.dt * kSteps;
+    EXPECT_LT(largest_difference(warp, modes), tolerance);
+    EXPECT_GT(largest_difference(warp, modes), 0.0);  // another product it was
+    EXPECT_EQ(largest_difference(positions_after_steps<ShuffledExec>(scene, model), warp),
+              0.0);
+    EXPECT_LT(
+        largest_difference(positions_after_steps<DeviceLikeExec>(scene, model), modes),
+        tolerance);
+}
+
 /// Steps of a scene on the device-like executor, and what crossed to and from it.
 struct Counted {
     test::BusTraffic traffic;
