@@ -198,6 +198,9 @@ struct OutputSettings {
     std::vector<std::string> formats{"vtu"};  ///< of "vtu", "obj", "ply"
     int checkpoint_steps = 0;          ///< checkpoint every N steps; 0 = by time only
     double checkpoint_seconds = 10.0;  ///< and at least every S seconds of wall time
+    /// stats.csv: state hash every N steps; 0 = every step on a CPU, and on a GPU with
+    /// frames, since all of the state has to come to the host for it.
+    int hash_every = 0;
 };
 
 struct Scene {

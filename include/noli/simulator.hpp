@@ -124,11 +124,12 @@ struct VerifyReport {
 
 /// Settings as they came out, in absolute units.
 struct Resolved {
-    double diagonal = 0.0;      ///< m
-    double dhat = 0.0;          ///< m
-    double epsv = 0.0;          ///< m/s
-    double tolerance = 0.0;     ///< m/s
-    std::string device;         ///< "CPU, 2 threads, AVX-512" or the GPU's name
+    double diagonal = 0.0;   ///< m
+    double dhat = 0.0;       ///< m
+    double epsv = 0.0;       ///< m/s
+    double tolerance = 0.0;  ///< m/s
+    std::string device;      ///< "CPU, 2 threads, AVX-512" or the GPU's name
+    bool on_gpu = false;
     std::string device_note;    ///< why that device, when "auto"
     std::string linear_solver;  ///< and why that one
     double estimated_mb = 0.0;
@@ -210,7 +211,7 @@ struct RunSummary {
     std::string repro_folder;  ///< non-empty when a step failed: everything to repeat it
     double wall_s = 0.0;       ///< of this call
     double time = 0.0;         ///< s, simulated, in total
-    std::uint64_t state_hash = 0;  ///< after steps_done
+    std::uint64_t state_hash = 0;  ///< after steps_done; of a failed run 0 if not known
 };
 
 /// Runs a scene into a directory (docs/frame-format.md): frames, stats.csv, checkpoints,

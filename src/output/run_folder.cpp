@@ -41,6 +41,10 @@ std::uint64_t parse_hash(const std::string& text) {
     return hash;
 }
 
+nlohmann::ordered_json hash_json(const std::optional<std::uint64_t>& hash) {
+    return hash ? nlohmann::ordered_json(hash_text(*hash)) : nlohmann::ordered_json();
+}
+
 }  // namespace
 
 RunPaths::RunPaths(std::string root_folder) : root(std::move(root_folder)) {
@@ -68,7 +72,7 @@ std::string encode_run_record(const RunRecord& r) {
                                       {"message", r.message},
                                       {"steps_done", r.steps_done},
                                       {"steps_asked", r.steps_asked},
-                                      {"state_hash", hash_text(r.state_hash)},
+                                      {"state_hash", hash_json(r.state_hash)},
                                       {"dt_s", r.dt},
                                       {"diagonal_m", r.diagonal},
                                       {"dhat_m", r.dhat},
@@ -106,7 +110,8 @@ Result<RunRecord> decode_run_record(const std::string& text, const std::string& 
         json.at("message").get_to(r.message);
         json.at("steps_done").get_to(r.steps_done);
         json.at("steps_asked").get_to(r.steps_asked);
-        r.state_hash = parse_hash(json.at("state_hash").get<std::string>());
+        if (!json.at("state_hash").is_null())
+            r.state_hash = parse_hash(json.at("state_hash").get<std::string>());
         r.dt = json.value("dt_s", 0.0);
         r.diagonal = json.value("diagonal_m", 0.0);
         r.dhat = json.value("dhat_m", 0.0);

@@ -6,6 +6,7 @@
 #include "noli/result.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,8 @@ struct RunRecord {
     std::string message;
     int steps_done = 0;
     int steps_asked = 0;
-    std::uint64_t state_hash = 0;                                    ///< after steps_done
-    double dt = 0.0;                                                 ///< s
+    std::optional<std::uint64_t> state_hash;  ///< after steps_done, if known
+    double dt = 0.0;                          ///< s
     double diagonal = 0.0, dhat = 0.0, epsv = 0.0, tolerance = 0.0;  ///< m, m, m/s, m/s
     int num_vertices = 0, num_tets = 0;
     std::string device;

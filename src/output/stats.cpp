@@ -89,10 +89,10 @@ Status rewrite(const std::string& path, std::string_view old, std::string_view k
 
 std::string stats_row(const StepReport& r,
                       std::string_view outcome,
-                      std::uint64_t state_hash) {
+                      std::optional<std::uint64_t> state_hash) {
     return fmt::format(
         "{},{:.17g},{:.6g},{},{},{},{:.17g},{:.17g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},"
-        "{:.6g},{:.6g},{:.6g},{},{:.17g},{:016x},{:.6g},{:.6g},{:.6g}\n",
+        "{:.6g},{:.6g},{:.6g},{},{:.17g},{},{:.6g},{:.6g},{:.6g}\n",
         r.step,
         r.time,
         r.wall_s,
@@ -113,7 +113,7 @@ std::string stats_row(const StepReport& r,
         r.peak_mb,
         r.friction_updates,
         r.boundary_yield,
-        state_hash,
+        state_hash ? fmt::format("{:016x}", *state_hash) : "",
         r.t_elastic,
         r.t_barrier,
         r.t_friction);

@@ -7,6 +7,7 @@
 #include "noli/simulator.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,10 +22,10 @@ inline constexpr std::string_view kStatsHeader =
     "friction_updates,boundary_yield,state_hash,t_elastic,t_barrier,t_friction\n";
 
 /// A row of stats.csv, newline included. Quantities of the simulation have 17 digits, so
-/// that equal runs give equal text.
+/// that equal runs give equal text. Without a hash its column is empty.
 std::string stats_row(const StepReport& report,
                       std::string_view outcome,
-                      std::uint64_t state_hash);
+                      std::optional<std::uint64_t> state_hash);
 
 /// What a row says that a resume or a description needs.
 struct StatsEntry {

@@ -471,6 +471,14 @@ void visit_fields(V& v, OutputSettings& o) {
         o.checkpoint_seconds,
         d.checkpoint_seconds,
         {.unit = kTime, .above = 0, .doc = "And at least after that much wall time."});
+    v.integer(
+        "hash_every",
+        o.hash_every,
+        d.hash_every,
+        {.at_least = 0,
+         .doc = "Write the hash of the state to stats.csv every that many steps; 0 = "
+                "every step on a CPU, with frames on a GPU, where all of the state "
+                "has to come to the host for it."});
 }
 
 /// All keys but "$schema", "format_version" and "base_folder", which belong to the file.

@@ -9,6 +9,7 @@
 #include "step/settings.hpp"
 #include "step/stepper.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,6 +34,7 @@ class Engine {
     virtual double elastic_energy() = 0;              ///< J
     virtual double barrier_energy() = 0;              ///< of the last step's end, J
     [[nodiscard]] virtual std::string device_name() const = 0;
+    [[nodiscard]] virtual bool is_on_device() const = 0;
 };
 
 /// What an engine is built from; all must outlive it.
@@ -63,5 +65,10 @@ Result<CudaDevice> find_cuda_device();
 
 /// Fails without a usable GPU, and if its memory does not suffice.
 Result<std::unique_ptr<Engine>> make_cuda_engine(const EngineInput& input);
+
+/// What "--device cuda" takes: make_cuda_engine, unless a test has put another device in
+/// the place of the GPU.
+using EngineMaker = std::function<Result<std::unique_ptr<Engine>>(const EngineInput&)>;
+EngineMaker& device_engine_maker();
 
 }  // namespace noli

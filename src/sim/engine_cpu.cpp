@@ -57,6 +57,7 @@ class CpuEngine final : public Engine {
         return "CPU, " + std::to_string(threads)
              + (threads == 1 ? " thread, " : " threads, ") + simd_name();
     }
+    [[nodiscard]] bool is_on_device() const override { return false; }
 
   private:
     Arena arena_;

@@ -63,6 +63,7 @@ class GuardedEngine final : public Engine {
         return guarded(0.0, [&] { return engine_.barrier_energy(); });
     }
     [[nodiscard]] std::string device_name() const override { return name_; }
+    [[nodiscard]] bool is_on_device() const override { return true; }
 
   private:
     /// f(), or `otherwise` where memory does not suffice for it (that may pass) and once

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace noli {
@@ -287,8 +288,12 @@ bool Run::is_checkpoint_due() const {
 
 Status Run::save_checkpoint() {
     const Clock::time_point start = Clock::now();
-    Status written = output_->write_checkpoint(*simulator_, record_.fingerprint);
-    if (written) written = write_record("running");
+    const Result<std::uint64_t> hash =
+        output_->write_checkpoint(*simulator_, record_.fingerprint);
+    if (!hash) return hash.error();
+    record_.steps_done = simulator_->steps_done();
+    record_.state_hash = hash.value();
+    Status written = write_record("running");
     checkpointed_ = Clock::now();
     checkpointed_step_ = simulator_->steps_done();
     carried_output_s_ = seconds_since(start);
@@ -312,7 +317,9 @@ Status Run::advance() {
     if (!failed && output_->is_frame_due(report.step))
         if (Status written = output_->write_frame(*simulator_); !written) return written;
     report.t_output += std::exchange(carried_output_s_, 0.0) + seconds_since(start);
-    const std::uint64_t hash = simulator_->state_hash();
+    std::optional<std::uint64_t> hash;
+    if (output_->is_hash_due(report.step, simulator_->resolved().on_gpu))
+        hash = simulator_->state_hash();
     if (!failed) {
         record_.steps_done = report.step;
         record_.state_hash = hash;
@@ -325,8 +332,12 @@ Status Run::advance() {
     return Done{};
 }
 
-/// Writes the repro bundle of a step that did not converge.
+/// Writes the repro bundle of a step that did not converge. A device that failed has left
+/// the state before the step: a checkpoint of it first.
 Status Run::fail(const StepReport& report) {
+    if (report.outcome == Outcome::DeviceFailed
+        && simulator_->steps_done() > checkpointed_step_)
+        if (Status saved = save_checkpoint(); !saved) return saved;
     const Repro repro{
         scene_, options_, paths_, record_, report, output_->encode_vtu(*simulator_)};
     Result<std::string> folder = write_repro(repro);
@@ -366,7 +377,7 @@ Result<RunSummary> Run::finish() {
     summary_.steps_done = record_.steps_done;
     summary_.steps_asked = steps_asked_;
     summary_.time = simulator_->time();
-    summary_.state_hash = record_.state_hash;
+    summary_.state_hash = record_.state_hash.value_or(0);
     summary_.wall_s = seconds_since(started_);
     return summary_;
 }

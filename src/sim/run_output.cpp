@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/run_output.hpp"
 
+#include "output/hash.hpp"
 #include "output/stats.hpp"
 
 #include <algorithm>
@@ -67,6 +68,11 @@ bool RunOutput::has_format(std::string_view name) const {
 
 bool RunOutput::is_frame_due(int step) const {
     return settings_.every > 0 && step % settings_.every == 0;
+}
+
+bool RunOutput::is_hash_due(int step, bool on_gpu) const {
+    if (settings_.hash_every > 0) return step % settings_.hash_every == 0;
+    return !on_gpu || is_frame_due(step);
 }
 
 Status RunOutput::open(int step, bool iteration_log) {
@@ -159,7 +165,8 @@ Status RunOutput::write_frame(Simulator& simulator) {
     return written;
 }
 
-Status RunOutput::write_step(const StepReport& report, std::uint64_t state_hash) {
+Status RunOutput::write_step(const StepReport& report,
+                             std::optional<std::uint64_t> state_hash) {
     Status written =
         stats_.append(stats_row(report, to_string(report.outcome), state_hash));
     if (written) written = iterations_.append(iteration_lines(report));
@@ -167,21 +174,23 @@ Status RunOutput::write_step(const StepReport& report, std::uint64_t state_hash)
     return written;
 }
 
-Status RunOutput::write_checkpoint(const Simulator& simulator,
-                                   std::uint64_t fingerprint) {
+Result<std::uint64_t> RunOutput::write_checkpoint(const Simulator& simulator,
+                                                  std::uint64_t fingerprint) {
     for (const std::string& path : unsynced_)
-        if (Status synced = sync_file(path); !synced) return synced;
+        if (Status synced = sync_file(path); !synced) return synced.error();
     unsynced_.clear();
     Status synced = stats_.sync();
     if (synced) synced = iterations_.sync();
-    if (!synced) return synced;
+    if (!synced) return synced.error();
     Checkpoint checkpoint;
     checkpoint.fingerprint = fingerprint;
-    checkpoint.state_hash = simulator.state_hash();
     checkpoint.step = simulator.steps_done();
     checkpoint.time = simulator.time();
     checkpoint.payload = simulator.save();
-    return noli::write_checkpoint(paths_.checkpoints, checkpoint);
+    checkpoint.state_hash = hash_bytes(std::span<const std::byte>(checkpoint.payload));
+    Status written = noli::write_checkpoint(paths_.checkpoints, checkpoint);
+    if (!written) return written.error();
+    return checkpoint.state_hash;
 }
 
 Status RunOutput::log(std::string_view text) {

@@ -14,6 +14,7 @@
 #include "output/vtu.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,15 +36,18 @@ class RunOutput {
     /// Writes the frame of the current state in every format asked for.
     Status write_frame(Simulator& simulator);
     [[nodiscard]] bool is_frame_due(int step) const;
+    /// Whether the row of a step has the hash of the state.
+    [[nodiscard]] bool is_hash_due(int step, bool on_gpu) const;
 
     /// The text of the current state as a VTU file.
     [[nodiscard]] std::string encode_vtu(Simulator& simulator) const;
 
     /// Appends the rows of a step to the table, the iteration log and the log.
-    Status write_step(const StepReport& report, std::uint64_t state_hash);
+    Status write_step(const StepReport& report, std::optional<std::uint64_t> state_hash);
 
-    /// Writes a checkpoint of the current state.
-    Status write_checkpoint(const Simulator& simulator, std::uint64_t fingerprint);
+    /// Writes a checkpoint of the current state; its hash.
+    Result<std::uint64_t> write_checkpoint(const Simulator& simulator,
+                                           std::uint64_t fingerprint);
 
     /// A line of log.txt, stamped with the time of day.
     Status log(std::string_view text);

@@ -36,6 +36,11 @@ double peak_megabytes() {
 
 }  // namespace
 
+EngineMaker& device_engine_maker() {
+    static EngineMaker maker = make_cuda_engine;
+    return maker;
+}
+
 const char* to_string(Outcome outcome) {
     switch (outcome) {
         case Outcome::Converged:
@@ -83,7 +88,7 @@ Status Simulator::Impl::choose_engine() {
     const bool wants_gpu = options.device == Device::Cuda
                         || (options.device == Device::Auto && kAutoTakesGpu);
     if (wants_gpu) {
-        auto made = make_cuda_engine(input);
+        auto made = device_engine_maker()(input);
         if (made) engine = std::move(made.value());
         if (!made && options.device == Device::Cuda) {
             Error error = made.error();
@@ -121,8 +126,15 @@ void Simulator::Impl::resolve() {
     resolved.epsv = model.epsv;
     resolved.tolerance = model.tolerance(scene.solver, 0);
     resolved.device = engine->device_name();
-    resolved.linear_solver = describe_linear_solver(
-        model, scene.solver.linear, scene.dt, !resolved.device.starts_with("CPU"));
+    resolved.on_gpu = engine->is_on_device();
+    const bool by_warps = scene.solver.contact_product == ContactProduct::Warp
+                       && scene.solver.linear != LinearSolver::Cholmod;
+    const LinearSolver linear =
+        by_warps && !resolved.on_gpu ? LinearSolver::BlockJacobi : scene.solver.linear;
+    resolved.linear_solver =
+        describe_linear_solver(model, linear, scene.dt, resolved.on_gpu);
+    if (by_warps)
+        resolved.linear_solver += "; contacts as dense blocks, multiplied by warps";
     resolved.estimated_mb = estimate_megabytes(model);
     resolved.total_mass = model.total_mass;
     resolved.num_vertices = model.num_vertices;

@@ -32,6 +32,12 @@ TEST(RunRecord, ReadsBackWhatWasWritten) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read.value().fingerprint, original.fingerprint);
     EXPECT_EQ(read.value().state_hash, original.state_hash);
+    RunRecord unknown = original;
+    unknown.state_hash.reset();
+    const Result<RunRecord> again =
+        decode_run_record(encode_run_record(unknown), "run.json");
+    ASSERT_TRUE(again);
+    EXPECT_FALSE(again.value().state_hash.has_value());
     EXPECT_EQ(read.value().scene_name, original.scene_name);
     EXPECT_EQ(read.value().status, original.status);
     EXPECT_EQ(read.value().steps_done, 12);

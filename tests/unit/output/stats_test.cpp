@@ -80,6 +80,12 @@ TEST(StatsRow, HoldsAnInfiniteGap) {
     EXPECT_TRUE(std::isinf(rows[0].min_gap));
 }
 
+TEST(StatsRow, MayLackTheHash) {
+    const std::string without = stats_row(make_report(2), "Converged", {});
+    EXPECT_EQ(parse_stats(std::string(kStatsHeader) + without).size(), 1u);
+    EXPECT_EQ(without.size() + 16, stats_row(make_report(2), "Converged", 1).size());
+}
+
 TEST(ParseStats, StopsAtAHalfWrittenRow) {
     const std::string text = std::string(kStatsHeader) + row(1) + row(2);
     for (size_t cut = text.size() - row(2).size(); cut < text.size(); ++cut)

@@ -72,7 +72,8 @@ class Flat {
             s.output.every,
             s.output.formats,
             s.output.checkpoint_steps,
-            s.output.checkpoint_seconds);
+            s.output.checkpoint_seconds,
+            s.output.hash_every);
     }
 
     [[nodiscard]] const std::vector<std::string>& items() const { return items_; }

@@ -204,6 +204,7 @@ class RandomScene {
         s.output.every = between(0, 5);
         if (flip()) s.output.formats = {"ply", "vtu"};
         s.output.checkpoint_steps = between(0, 9);
+        s.output.hash_every = between(0, 3);
         s.output.checkpoint_seconds = positive();
     }
 
