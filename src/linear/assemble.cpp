@@ -68,52 +68,42 @@ std::vector<int> touched_of_vertex(const OperatorView& op) {
     return index;
 }
 
-void merged_row(const OperatorView& op,
-                View<const int> touched_index,
-                View<const int> rank,
-                int vertex,
-                std::vector<std::pair<int, int>>& out) {
-    out.clear();
+int merged_row_bound(const OperatorView& op,
+                     View<const int> touched_index,
+                     View<const int> rank,
+                     int vertex) {
+    const auto own = static_cast<unsigned>(rank[vertex]);
+    int bound = 0;  // -1, a vertex that is left out, is a large unsigned number
+    for (int b = op.row_begin[vertex]; b < op.row_begin[vertex + 1]; ++b)
+        bound += static_cast<unsigned>(rank[op.col[b]]) <= own ? 1 : 0;
+    if (const int t = touched_index[vertex]; t >= 0)
+        bound += (kSlotsPerTerm - 1) * (op.touched_begin[t + 1] - op.touched_begin[t]);
+    return bound;
+}
+
+int merged_row(const OperatorView& op,
+               View<const int> touched_index,
+               View<const int> rank,
+               int vertex,
+               RowEntry* out) {
+    constexpr int kNowhere = -1;  // the largest source as an unsigned number
     const int own = rank[vertex];
+    RowEntry* end = out;
     for (int b = op.row_begin[vertex]; b < op.row_begin[vertex + 1]; ++b) {
         const int c = rank[op.col[b]];
-        if (c >= 0 && c <= own) out.emplace_back(c, b);
+        if (c >= 0 && c <= own) *end++ = RowEntry(c, b);
     }
-    const std::size_t num_matrix = out.size();
-    if (const int t = touched_index[vertex]; t >= 0) {
+    const int t = touched_index[vertex];
+    if (t >= 0)
         for (int e = op.touched_begin[t]; e < op.touched_begin[t + 1]; ++e)
             for (const int v : op.vertices[op.slots[e] / kSlotsPerTerm].v)
                 if (v >= 0 && rank[v] >= 0 && rank[v] < own)
-                    out.emplace_back(rank[v], -1);
-    }
-    if (num_matrix == out.size()) {
-        std::sort(out.begin(), out.end());
-        return;
-    }
-    // Of equal columns, the block of the matrix comes first and stays.
-    std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) {
-        return a.first != b.first ? a.first < b.first : a.second > b.second;
-    });
-    const auto same_column = [](const auto& a, const auto& b) {
-        return a.first == b.first;
-    };
-    out.erase(std::unique(out.begin(), out.end(), same_column), out.end());
-}
-
-int merged_row_length(const OperatorView& op,
-                      View<const int> touched_index,
-                      View<const int> rank,
-                      int vertex) {
-    if (touched_index[vertex] >= 0) {
-        thread_local std::vector<std::pair<int, int>> row;
-        merged_row(op, touched_index, rank, vertex, row);
-        return static_cast<int>(row.size());
-    }
-    const auto own = static_cast<unsigned>(rank[vertex]);
-    int length = 0;  // -1, a vertex that is left out, is a large unsigned number
-    for (int b = op.row_begin[vertex]; b < op.row_begin[vertex + 1]; ++b)
-        length += static_cast<unsigned>(rank[op.col[b]]) <= own ? 1 : 0;
-    return length;
+                    *end++ = RowEntry(rank[v], kNowhere);
+    std::sort(out, end);
+    if (t >= 0)
+        end = std::unique(
+            out, end, [](RowEntry a, RowEntry b) { return a.col() == b.col(); });
+    return static_cast<int>(end - out);
 }
 
 void merged_row_values(const OperatorView& op,

@@ -12,8 +12,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace noli {
@@ -26,6 +26,26 @@ struct SparseMatrix {
     std::vector<double> value;
 };
 
+namespace detail {
+
+/// A block of a merged row: its column, and where in the block matrix it is, or -1.
+/// Sorted by columns; of equal ones, the block of the matrix comes first.
+struct RowEntry {
+    std::uint64_t key;
+
+    RowEntry() = default;
+    RowEntry(int col, int source)
+        : key(static_cast<std::uint64_t>(static_cast<std::uint32_t>(col)) << 32
+              | static_cast<std::uint32_t>(source)) {}
+    [[nodiscard]] int col() const { return static_cast<int>(key >> 32); }
+    [[nodiscard]] int source() const {
+        return static_cast<int>(static_cast<std::uint32_t>(key));
+    }
+    friend bool operator<(RowEntry a, RowEntry b) { return a.key < b.key; }
+};
+
+}  // namespace detail
+
 /// Lower block triangle by rows: columns ascending, diagonal block last in each row.
 struct MergedBlocks {
     std::vector<int> row_begin;  ///< num_rows + 1
@@ -33,6 +53,10 @@ struct MergedBlocks {
     std::vector<int>
         source;  ///< index of the block in the block matrix, -1 where only terms are
     std::vector<Mat3d> value;  ///< full 3x3 blocks, the diagonal ones too
+
+    // Work space of merge_pattern.
+    std::vector<int> room;
+    std::vector<detail::RowEntry> entries;
 
     [[nodiscard]] int num_rows() const { return static_cast<int>(row_begin.size()) - 1; }
 };
@@ -72,18 +96,18 @@ inline View<const int> const_view(const std::vector<int>& v) {
 /// Per vertex: its index in the list of touched vertices, or -1.
 std::vector<int> touched_of_vertex(const OperatorView& op);
 
-/// The blocks of one merged row as (column, source), ascending, diagonal last.
-void merged_row(const OperatorView& op,
-                View<const int> touched_index,
-                View<const int> rank,
-                int vertex,
-                std::vector<std::pair<int, int>>& out);
+/// At least the number of blocks of one merged row.
+int merged_row_bound(const OperatorView& op,
+                     View<const int> touched_index,
+                     View<const int> rank,
+                     int vertex);
 
-/// Number of blocks of one merged row.
-int merged_row_length(const OperatorView& op,
-                      View<const int> touched_index,
-                      View<const int> rank,
-                      int vertex);
+/// The blocks of one merged row, columns ascending, diagonal last; returns their number.
+int merged_row(const OperatorView& op,
+               View<const int> touched_index,
+               View<const int> rank,
+               int vertex,
+               RowEntry* out);
 
 /// Values of one merged row.
 void merged_row_values(const OperatorView& op,
@@ -145,23 +169,33 @@ void merge_pattern(const Loop& loop,
     const int n = static_cast<int>(numbering.vertex.size());
     const int* vertex = numbering.vertex.data();
     const View<const int> rank = detail::const_view(numbering.rank);
+    const auto size = static_cast<std::size_t>(n) + 1;
     std::vector<int>& begin = out.row_begin;
-    begin.assign(static_cast<std::size_t>(n) + 1, 0);
-    int* length = begin.data() + 1;
-    loop(n, [&, length](int i) {
-        length[i] = detail::merged_row_length(op, touched_index, rank, vertex[i]);
+    std::vector<int>& room = out.room;
+    room.assign(size, 0);
+    loop(n, [&](int i) {
+        room[static_cast<std::size_t>(i) + 1] =
+            detail::merged_row_bound(op, touched_index, rank, vertex[i]);
     });
-    for (std::size_t i = 1; i < begin.size(); ++i)
-        begin[i] += begin[i - 1];
+    std::partial_sum(room.begin(), room.end(), room.begin());
+    if (out.entries.size() < static_cast<std::size_t>(room.back()))
+        out.entries.resize(static_cast<std::size_t>(room.back()));
+    begin.assign(size, 0);
+    loop(n, [&](int i) {
+        const auto row = static_cast<std::size_t>(i);
+        begin[row + 1] = detail::merged_row(
+            op, touched_index, rank, vertex[i], out.entries.data() + room[row]);
+    });
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
     out.col.resize(static_cast<std::size_t>(begin.back()));
     out.source.resize(out.col.size());
     loop(n, [&](int i) {
-        thread_local std::vector<std::pair<int, int>> row;
-        detail::merged_row(op, touched_index, rank, vertex[i], row);
-        std::size_t at = static_cast<std::size_t>(begin[static_cast<std::size_t>(i)]);
-        for (const auto& [c, source] : row) {
-            out.col[at] = c;
-            out.source[at++] = source;
+        const auto row = static_cast<std::size_t>(i);
+        const detail::RowEntry* from = out.entries.data() + room[row];
+        const auto end = static_cast<std::size_t>(begin[row + 1]);
+        for (auto k = static_cast<std::size_t>(begin[row]); k < end; ++k, ++from) {
+            out.col[k] = from->col();
+            out.source[k] = from->source();
         }
     });
 }

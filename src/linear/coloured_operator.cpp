@@ -19,41 +19,31 @@ bool same(const std::vector<T>& a, View<const T> b) {
     return a.size() == at(b.size) && std::equal(a.begin(), a.end(), b.begin());
 }
 
-/// Calls f(vertex) for everything coupled to a vertex, repeats and itself included.
-template <class F>
-void for_each_neighbour(const OperatorView& op,
-                        View<const int> touched_index,
-                        int v,
-                        const F& f) {
-    for (int b = op.row_begin[v]; b < op.row_begin[v + 1]; ++b)
-        f(op.col[b]);
-    const int t = touched_index[v];
-    if (t < 0) return;
-    for (int e = op.touched_begin[t]; e < op.touched_begin[t + 1]; ++e)
-        for (const int w : op.vertices[op.slots[e] / kSlotsPerTerm].v)
-            if (w >= 0) f(w);
+/// Per block: the blocks before it that terms couple it to, in any order.
+std::vector<std::vector<int>> neighbours_by_terms(const OperatorView& op,
+                                                  const RowBlocksOfMatrix& blocks) {
+    std::vector<std::vector<int>> out(at(blocks.num_blocks()));
+    for (const Int4& term : op.vertices)
+        for (const int v : term.v)
+            for (const int w : term.v) {
+                if (v < 0 || w < 0) continue;
+                const int a = blocks.block_of(v);
+                const int b = blocks.block_of(w);
+                if (b >= 0 && b < a) out[at(a)].push_back(b);
+            }
+    return out;
 }
 
 /// First colour of each block that no coupled block before it has.
-std::vector<int> colour_blocks(const OperatorView& op,
-                               View<const int> touched_index,
-                               const Numbering& free,
-                               int rows_per_block) {
-    const int num_rows = static_cast<int>(free.vertex.size());
-    std::vector<int> block_of(free.rank.size());
-    for (std::size_t v = 0; v < free.rank.size(); ++v)
-        block_of[v] = free.rank[v] < 0 ? -1 : free.rank[v] / rows_per_block;
-
-    std::vector<int> colour(at((num_rows + rows_per_block - 1) / rows_per_block), -1);
+std::vector<int> colour_blocks(const OperatorView& op, const RowBlocksOfMatrix& blocks) {
+    const std::vector<std::vector<int>> by_terms = neighbours_by_terms(op, blocks);
+    std::vector<int> colour(at(blocks.num_blocks()), -1);
     std::vector<int> taken;  // taken[c] == b: a neighbour of block b has colour c
-    for (int b = 0; b < static_cast<int>(colour.size()); ++b) {
-        const int end = std::min(num_rows, (b + 1) * rows_per_block);
-        for (int i = b * rows_per_block; i < end; ++i)
-            for_each_neighbour(op, touched_index, free.vertex[at(i)], [&](int w) {
-                const int other = block_of[at(w)];
-                if (other >= 0 && colour[at(other)] >= 0)
-                    taken[at(colour[at(other)])] = b;
-            });
+    for (int b = 0; b < blocks.num_blocks(); ++b) {
+        for (int k = blocks.begin[at(b)]; k < blocks.begin[at(b) + 1]; ++k)
+            taken[at(colour[at(blocks.neighbour[at(k)])])] = b;
+        for (const int other : by_terms[at(b)])
+            taken[at(colour[at(other)])] = b;
         const auto first =
             std::find_if(taken.begin(), taken.end(), [b](int t) { return t != b; });
         colour[at(b)] = static_cast<int>(first - taken.begin());
@@ -81,14 +71,37 @@ void append_group(const std::vector<int>& blocks,
 
 }  // namespace
 
-ColouredRows colour_rows(const OperatorView& op,
-                         View<const int> touched_index,
-                         View<const std::uint8_t> fixed,
-                         std::span<const int> order,
-                         int rows_per_block) {
-    const Numbering free = number_free_vertices({fixed.data, at(fixed.size)}, order);
-    const std::vector<int> colour =
-        colour_blocks(op, touched_index, free, rows_per_block);
+RowBlocksOfMatrix cut_rows(const OperatorView& op,
+                           View<const std::uint8_t> fixed,
+                           std::span<const int> order,
+                           int rows_per_block) {
+    RowBlocksOfMatrix out{
+        .free = number_free_vertices({fixed.data, at(fixed.size)}, order),
+        .rows_per_block = rows_per_block,
+        .begin = {0},
+        .neighbour = {}};
+    const int num_rows = static_cast<int>(out.free.vertex.size());
+    std::vector<int> seen_by(at((num_rows + rows_per_block - 1) / rows_per_block), -1);
+    for (int b = 0; b < static_cast<int>(seen_by.size()); ++b) {
+        const int end = std::min(num_rows, (b + 1) * rows_per_block);
+        for (int i = b * rows_per_block; i < end; ++i) {
+            const int v = out.free.vertex[at(i)];
+            for (int k = op.row_begin[v]; k < op.row_begin[v + 1]; ++k) {
+                const int other = out.block_of(op.col[k]);
+                if (other < 0 || other >= b || seen_by[at(other)] == b) continue;
+                seen_by[at(other)] = b;
+                out.neighbour.push_back(other);
+            }
+        }
+        out.begin.push_back(static_cast<int>(out.neighbour.size()));
+    }
+    return out;
+}
+
+ColouredRows colour_rows(const OperatorView& op, const RowBlocksOfMatrix& blocks) {
+    const Numbering& free = blocks.free;
+    const int rows_per_block = blocks.rows_per_block;
+    const std::vector<int> colour = colour_blocks(op, blocks);
     const int num_colours =
         colour.empty() ? 0 : 1 + *std::max_element(colour.begin(), colour.end());
     std::vector<std::vector<int>> blocks_of(at(num_colours));
@@ -96,15 +109,15 @@ ColouredRows colour_rows(const OperatorView& op,
         blocks_of[at(colour[b])].push_back(static_cast<int>(b));
 
     ColouredRows out;
-    out.numbering.rank.assign(at(fixed.size), -1);
+    out.numbering.rank.assign(free.rank.size(), -1);
     out.numbering.vertex.reserve(free.vertex.size());
     out.group_begin.push_back(0);
-    for (const std::vector<int>& blocks : blocks_of) {
+    for (const std::vector<int>& of_colour : blocks_of) {
         out.colour_begin.push_back(static_cast<int>(out.group_begin.size()) - 1);
-        for (std::size_t first = 0; first < blocks.size(); first += kBlocksPerGroup) {
-            const std::size_t last = std::min(blocks.size(), first + kBlocksPerGroup);
-            append_group({blocks.begin() + static_cast<std::ptrdiff_t>(first),
-                          blocks.begin() + static_cast<std::ptrdiff_t>(last)},
+        for (std::size_t first = 0; first < of_colour.size(); first += kBlocksPerGroup) {
+            const std::size_t last = std::min(of_colour.size(), first + kBlocksPerGroup);
+            append_group({of_colour.begin() + static_cast<std::ptrdiff_t>(first),
+                          of_colour.begin() + static_cast<std::ptrdiff_t>(last)},
                          free,
                          rows_per_block,
                          out);
@@ -114,14 +127,20 @@ ColouredRows colour_rows(const OperatorView& op,
     return out;
 }
 
-bool ColouredOperator::changed(const OperatorView& op, View<const std::uint8_t> fixed) {
+bool ColouredOperator::matrix_changed(const OperatorView& op,
+                                      View<const std::uint8_t> fixed) {
     if (same(seen_row_begin_, op.row_begin) && same(seen_col_, op.col)
-        && same(seen_terms_, op.vertices) && same(seen_fixed_, fixed))
+        && same(seen_fixed_, fixed))
         return false;
     seen_row_begin_.assign(op.row_begin.begin(), op.row_begin.end());
     seen_col_.assign(op.col.begin(), op.col.end());
-    seen_terms_.assign(op.vertices.begin(), op.vertices.end());
     seen_fixed_.assign(fixed.begin(), fixed.end());
+    return true;
+}
+
+bool ColouredOperator::terms_changed(const OperatorView& op) {
+    if (same(seen_terms_, op.vertices)) return false;
+    seen_terms_.assign(op.vertices.begin(), op.vertices.end());
     return true;
 }
 

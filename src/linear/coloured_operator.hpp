@@ -32,13 +32,29 @@ struct ColouredRows {
     std::vector<int> colour_begin;  ///< num_colours + 1: first group of each colour
 };
 
-/// Cuts the free vertices, in the given order of all vertices (empty: their own), into
-/// blocks of `rows_per_block` and colours them greedily.
-ColouredRows colour_rows(const OperatorView& op,
-                         View<const int> touched_index,
-                         View<const std::uint8_t> fixed,
-                         std::span<const int> order,
-                         int rows_per_block);
+/// The free vertices, in the given order of all vertices (empty: their own), cut into
+/// blocks of `rows_per_block`, and the blocks that the block matrix couples.
+struct RowBlocksOfMatrix {
+    Numbering free;
+    int rows_per_block;
+    std::vector<int> begin;      ///< num_blocks + 1
+    std::vector<int> neighbour;  ///< blocks before it that a block is coupled to
+
+    [[nodiscard]] int num_blocks() const { return static_cast<int>(begin.size()) - 1; }
+    /// Of a vertex, or -1.
+    [[nodiscard]] int block_of(int vertex) const {
+        const int rank = free.rank[static_cast<std::size_t>(vertex)];
+        return rank < 0 ? -1 : rank / rows_per_block;
+    }
+};
+
+RowBlocksOfMatrix cut_rows(const OperatorView& op,
+                           View<const std::uint8_t> fixed,
+                           std::span<const int> order,
+                           int rows_per_block);
+
+/// Colours the blocks greedily, couplings by terms included.
+ColouredRows colour_rows(const OperatorView& op, const RowBlocksOfMatrix& blocks);
 
 /// Pattern of block matrix + low-rank terms in colour order, by rows of the lower
 /// triangle and by rows of the upper one. Kept as long as the pattern stands.
@@ -59,10 +75,11 @@ class ColouredOperator {
                         const OperatorView& op,
                         View<const std::uint8_t> fixed) {
         static_assert(!Exec::kIsDevice, "sweeps run on the CPU");
-        if (!changed(op, fixed)) return false;
+        const bool new_matrix = matrix_changed(op, fixed);
+        if (new_matrix) blocks_ = cut_rows(op, fixed, order_, rows_per_block_);
+        if (!terms_changed(op) && !new_matrix) return false;
         touched_ = detail::touched_of_vertex(op);
-        rows_ =
-            colour_rows(op, detail::const_view(touched_), fixed, order_, rows_per_block_);
+        rows_ = colour_rows(op, blocks_);
         merge_pattern(
             loop_on(exec), op, detail::const_view(touched_), rows_.numbering, lower_);
         transpose();
@@ -132,11 +149,13 @@ class ColouredOperator {
         };
     }
 
-    bool changed(const OperatorView& op, View<const std::uint8_t> fixed);
+    bool matrix_changed(const OperatorView& op, View<const std::uint8_t> fixed);
+    bool terms_changed(const OperatorView& op);
     void transpose();
 
     int rows_per_block_;
     std::vector<int> order_;
+    RowBlocksOfMatrix blocks_;
     ColouredRows rows_;
     MergedBlocks lower_;
     std::vector<int> touched_;  ///< per vertex: its index among the touched ones, or -1
