@@ -10,7 +10,7 @@ namespace noli {
 namespace {
 
 constexpr int kSmallest = 32;
-constexpr int kMost = 2000;
+constexpr int kMost = 1000;
 
 std::size_t at(int i) {
     return static_cast<std::size_t>(i);
