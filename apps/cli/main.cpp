@@ -91,8 +91,10 @@ void add_run_scene_options(CLI::App& run, RunArguments& a) {
     run.add_option("--integrator", a.integrator, "implicit_euler, bdf2 or newmark")
         ->check(CLI::IsMember({"implicit_euler", "bdf2", "newmark"}))
         ->group(kGroup);
-    run.add_option("--linear", a.linear, "Linear solver: pcg, cholmod or block_jacobi")
-        ->check(CLI::IsMember({"pcg", "cholmod", "block_jacobi"}))
+    run.add_option("--linear",
+                   a.linear,
+                   "Linear solver: pcg, cholmod, block_jacobi or incomplete_cholesky")
+        ->check(CLI::IsMember({"pcg", "cholmod", "block_jacobi", "incomplete_cholesky"}))
         ->group(kGroup);
     run.add_option("--pcg-tolerance",
                    a.pcg_tolerance,

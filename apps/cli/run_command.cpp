@@ -82,6 +82,8 @@ void apply_overrides(const RunArguments& a, Scene& scene) {
     if (a.linear == "pcg") scene.solver.linear = LinearSolver::Pcg;
     if (a.linear == "block_jacobi") scene.solver.linear = LinearSolver::BlockJacobi;
     if (a.linear == "cholmod") scene.solver.linear = LinearSolver::Cholmod;
+    if (a.linear == "incomplete_cholesky")
+        scene.solver.linear = LinearSolver::IncompleteCholesky;
     if (a.contact_hessian == "gn") scene.contact.hessian = ContactModel::Gn;
     if (a.contact_hessian == "gn+") scene.contact.hessian = ContactModel::GnPlus;
     if (a.contact_hessian == "exact") scene.contact.hessian = ContactModel::Exact;

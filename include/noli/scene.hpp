@@ -142,7 +142,7 @@ enum class ContactFormulation { Gipc, Ipc };
 enum class ContactModel { Gn, GnPlus, Exact, Numeric };
 enum class MollifierModel { TwoMode, FourMode, Exact };
 enum class Integrator { ImplicitEuler, Bdf2, Newmark };
-enum class LinearSolver { Pcg, Cholmod, BlockJacobi };
+enum class LinearSolver { Pcg, Cholmod, BlockJacobi, IncompleteCholesky };
 enum class ContactProduct { Modes, Warp };
 
 struct ContactSettings {

@@ -21,16 +21,26 @@ std::size_t at(int i) {
 #define NOLI_WITH_AVX2
 #endif
 
-/// c -= a bᵀ
-NOLI_WITH_AVX2 void subtract_product(const Block6& a, const Block6& b, Block6& c) {
+/// c[q] -= a[q] bᵀ for the blocks at a and the places of their results.
+NOLI_WITH_AVX2 void subtract_products(
+    const Block6* a, const int* places, int count, const Block6& b, Block6* c) {
     double bt[36];
     for (int i = 0; i < kSize; ++i)
         for (int k = 0; k < kSize; ++k)
             bt[kSize * k + i] = b.a[kSize * i + k];
-    for (int i = 0; i < kSize; ++i)
-        for (int k = 0; k < kSize; ++k)
+    for (int q = 0; q < count; ++q) {
+        double* to = c[places[q]].a;
+        for (int i = 0; i < kSize; ++i) {
+            double sum[kSize];
             for (int j = 0; j < kSize; ++j)
-                c.a[kSize * i + j] -= a.a[kSize * i + k] * bt[kSize * k + j];
+                sum[j] = to[kSize * i + j];
+            for (int k = 0; k < kSize; ++k)
+                for (int j = 0; j < kSize; ++j)
+                    sum[j] -= a[q].a[kSize * i + k] * bt[kSize * k + j];
+            for (int j = 0; j < kSize; ++j)
+                to[kSize * i + j] = sum[j];
+        }
+    }
 }
 
 /// m := inverse of its Cholesky factor, lower triangular, with zero columns where there
@@ -172,35 +182,38 @@ void CoarseCholesky::scatter(const CoarseMatrix& matrix) {
         }
 }
 
-void CoarseCholesky::eliminate(int column) {
-    const int begin = col_begin_[at(column)] + 1;
-    const int end = col_begin_[at(column) + 1];
-    for (int p = begin; p < end; ++p)
-        multiply_transposed(value_[at(begin - 1)], value_[at(p)]);
-    for (int p = begin; p < end; ++p) {
-        const int target = row_[at(p)];
-        int to = col_begin_[at(target)];
-        for (int q = p; q < end; ++q) {
-            while (row_[at(to)] != row_[at(q)])
-                ++to;
-            subtract_product(value_[at(q)], value_[at(p)], value_[at(to)]);
-        }
-    }
+int CoarseCholesky::num_below(int column) const {
+    return col_begin_[at(column) + 1] - col_begin_[at(column)] - 1;
 }
 
-bool CoarseCholesky::factorize(const CoarseMatrix& matrix) {
-    scatter(matrix);
-    const int n = matrix.num_rows();
-    for (int k = 0; k < n; ++k) {
-        const Block6& original =
-            matrix.value[at(matrix.row_begin[at(order_[at(k)]) + 1] - 1)];
-        double scale[kSize];
-        for (int i = 0; i < kSize; ++i)
-            scale[i] = original.a[(kSize + 1) * i];
-        if (!invert_factor(scale, value_[at(col_begin_[at(k)])])) return false;
-        eliminate(k);
-    }
+/// Pivot of a column that all before it are eliminated from, and the blocks below it.
+bool CoarseCholesky::finish_column(const CoarseMatrix& matrix, int column) {
+    const Block6& original =
+        matrix.value[at(matrix.row_begin[at(order_[at(column)]) + 1] - 1)];
+    double scale[kSize];
+    for (int i = 0; i < kSize; ++i)
+        scale[i] = original.a[(kSize + 1) * i];
+    const int diagonal = col_begin_[at(column)];
+    if (!invert_factor(scale, value_[at(diagonal)])) return false;
+    for (int p = diagonal + 1; p < col_begin_[at(column) + 1]; ++p)
+        multiply_transposed(value_[at(diagonal)], value_[at(p)]);
     return true;
+}
+
+/// What a finished column takes off the column of its `target`-th row.
+void CoarseCholesky::eliminate(int column, int target) {
+    const int first = col_begin_[at(column)] + 1 + target;
+    const int end = col_begin_[at(column) + 1];
+    thread_local std::vector<int> places;
+    places.clear();
+    int to = col_begin_[at(row_[at(first)])];
+    for (int q = first; q < end; ++q) {
+        while (row_[at(to)] != row_[at(q)])
+            ++to;
+        places.push_back(to);
+    }
+    subtract_products(
+        &value_[at(first)], places.data(), end - first, value_[at(first)], value_.data());
 }
 
 NOLI_WITH_AVX2 void CoarseCholesky::solve(std::span<double> x) const {

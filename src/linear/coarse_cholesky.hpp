@@ -34,8 +34,29 @@ class CoarseCholesky {
     /// has become poor; call when the pattern of the matrix changed.
     void analyze(const CoarseMatrix& matrix);
 
-    /// False if a pivot is not a number.
-    bool factorize(const CoarseMatrix& matrix);
+    /// The next analyze() finds an order from its pattern alone.
+    void forget_order() { order_.clear(); }
+
+    /// False if a pivot is not a number. What a column takes off the columns after it is
+    /// computed in parallel, a column of the matrix per task.
+    template <class Exec>
+    bool factorize(Exec& exec, const CoarseMatrix& matrix) {
+        constexpr int kColumnsPerTask = 4;
+        scatter(matrix);
+        for (int k = 0; k < static_cast<int>(order_.size()); ++k) {
+            if (!finish_column(matrix, k)) return false;
+            const int count = num_below(k);
+            exec.for_each(
+                "linear/coarse_eliminate",
+                count,
+                [this, k, count](int i) {
+                    // The first targets take the most work: every share gets some.
+                    eliminate(k, i % 2 == 0 ? i / 2 : count - 1 - i / 2);
+                },
+                kColumnsPerTask);
+        }
+        return true;
+    }
 
     /// In:   x (6 num_rows) right-hand side
     /// Out:  x (6 num_rows) solution
@@ -48,7 +69,9 @@ class CoarseCholesky {
     void find_order(const CoarseMatrix& matrix);
     void find_pattern(const CoarseMatrix& matrix);
     void scatter(const CoarseMatrix& matrix);
-    void eliminate(int column);
+    [[nodiscard]] int num_below(int column) const;
+    bool finish_column(const CoarseMatrix& matrix, int column);
+    void eliminate(int column, int target);
 
     std::vector<int> order_;            ///< place -> row of the matrix
     std::vector<int> place_;            ///< row of the matrix -> place

@@ -1,29 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Rigid motions of aggregates as a coarse space of the symmetric Gauss-Seidel sweeps.
+/// Rigid motions of aggregates as a deflated coarse space of sweep_cg.hpp.
 ///
 /// Stiff material couples all of a body: sweeps alone carry a correction a few vertices
 /// far per iteration. The coarse space Z holds the six rigid motions of each aggregate at
-/// the present positions, and its matrix Z^T A Z, contacts included, is factored. Added
-/// to the sweeps' preconditioner P the coarse correction is
+/// the present positions, and its matrix E = Zᵀ A Z, contacts included, is factored. With
+/// the local preconditioner P⁻¹ the correction of a residual r is
 ///
-///     P⁻¹ + Z (Zᵀ A Z)⁻¹ Zᵀ
+///     z = P⁻¹ r + Z E⁻¹ Zᵀ (r - A P⁻¹ r)
 ///
-/// and in the split form of gauss_seidel_cg.hpp, U = I + L'ᵀ, Z' = Cᵀ Z:
+/// and CG starts from Z E⁻¹ Zᵀ b, so that all residuals stay orthogonal to Z.
 ///
-///     I + W (Zᵀ A Z)⁻¹ Wᵀ,   W = U Z',   Zᵀ A Z = Z'ᵀ W + Wᵀ Z' - Z'ᵀ Z'
+/// In the scaled rows of scaled_operator.hpp, A' = I + L' + L'ᵀ and Z' = Cᵀ Z. What is
+/// stored are sparse rows with one 3x6 block per aggregate that the row is coupled to:
 ///
-/// so that neither products with A nor further sweeps are needed. W is sparse: a row has
-/// a block for its own aggregate and for those of its neighbours in the upper triangle.
+///     H = L'ᵀ Z',   V = L' Z',   E = Z'ᵀ Z' + Z'ᵀ H + Hᵀ Z'
 ///
-/// Source: additive coarse correction, [Saad2003] 14.3; rigid modes, [Vanek1996]; the
-/// split form is ours.
+/// A product with A is never needed. With sweeps in the split form, U = I + L'ᵀ, residual
+/// r and y = U⁻¹ r, the residual of the scaled rows is (I + L') r, and A' y = r + L' y,
+/// so that the coarse residual is
+///
+///     Z'ᵀ ((I + L') r - A' y) = Z'ᵀ L' (r - y) = Hᵀ (r - y)
+///
+/// The correction c moves the direction by U Z' c = Z' c + H c, and what U⁻¹ makes of
+/// that is Z' c: the next sweep has nothing left to do. V is for other preconditioners.
+///
+/// Source: A-DEF2, [Tang2009]; rigid modes, [Vanek1996]; the split form is ours.
 
 #include "linear/coarse_cholesky.hpp"
-#include "linear/coloured_operator.hpp"
+#include "linear/coarse_pattern.hpp"
 #include "linear/rigid_aggregates.hpp"
 
-#include <span>
 #include <vector>
 
 namespace noli {
@@ -33,21 +40,27 @@ struct InverseFactor;
 class CoarseSpace {
   public:
     static constexpr int kModes = 6;
+    /// Numbers of a 3x6 block: columns one after the other, and two that pad it.
+    static constexpr int kBlock = 20;
 
     void set_aggregates(RigidAggregates aggregates);
 
     /// False if there are no aggregates.
     [[nodiscard]] bool available() const { return !aggregates_.empty(); }
 
-    /// Sparsity of W and of the coarse matrix; call when the operator's pattern changed.
+    /// The next update_pattern depends on nothing but its operator.
+    void forget_order() { cholesky_.forget_order(); }
+
+    /// Sparsity; call when the operator's pattern changed.
     void update_pattern(const ColouredOperator& op);
 
-    /// W and the factored coarse matrix. `upper` are the blocks of L'ᵀ, `scale` the
-    /// inverse factors per row, `x` the positions of all vertices. False where the coarse
-    /// matrix is not finite.
+    /// Z', H, V and the factored E. `lower` and `upper` are the blocks of L' and L'ᵀ,
+    /// `scale` the inverse factors per row, `x` the positions of all vertices. Without
+    /// `lower` (null) only solve_split works. False where E is not finite.
     template <class Exec, class Number>
     bool update_values(Exec& exec,
                        const ColouredOperator& op,
+                       const Number* lower,
                        const Number* upper,
                        const InverseFactor* scale,
                        View<const Vec3d> x) {
@@ -56,69 +69,80 @@ class CoarseSpace {
             num_aggregates(),
             [&, this](int a) { fill_modes(op, scale, x, a); },
             8);
-        op.for_rows(exec, [&, this](int i) { fill_row(op, upper, i); });
+        op.for_rows(exec, [&, this](int i) { fill_row(op, lower, upper, i); });
         exec.for_each(
             "linear/coarse_rows",
             num_aggregates(),
             [this](int a) { fill_coarse_row(a); },
             8);
-        return factorize();
+        sum_matrix();
+        return cholesky_.factorize(exec, matrix_);
     }
 
-    /// c = (Zᵀ A Z)⁻¹ Wᵀ r; returns r . W c. r has four doubles per row.
+    /// c from the residual r of the split form and y = U⁻¹ r. Vectors have four doubles
+    /// per row, the last is 0.
     template <class Exec>
-    double solve(Exec& exec, const double* r) {
-        exec.for_each(
-            "linear/coarse_restrict",
-            num_aggregates(),
-            [this, r](int a) { restrict_to(a, r); },
-            8);
-        return solve_coarse();
+    void solve_split(Exec& exec, const double* r, const double* y) {
+        solve_restricted(exec, [this, r, y](int a) { restrict_split(a, r, y); });
     }
 
-    /// p = r + W c + beta p for rows begin to end-1; four doubles per row.
-    void renew_direction(
-        const double* r, double beta, int begin, int end, double* p) const;
+    /// c = E⁻¹ Z'ᵀ b; returns c.Ec.
+    template <class Exec>
+    double solve_start(Exec& exec, const double* b) {
+        return solve_restricted(exec, [this, b](int a) { restrict_start(a, b); });
+    }
+
+    /// c = E⁻¹ Z'ᵀ (r - A' y)
+    template <class Exec>
+    void solve_residual(Exec& exec, const double* r, const double* y) {
+        solve_restricted(exec, [this, r, y](int a) { restrict_residual(a, r, y); });
+    }
+
+    /// For rows begin to end-1: t = y + Z' c + beta t.
+    void renew(const double* y, double beta, int begin, int end, double* t) const;
+
+    /// The same, and s = r - y + H c + beta s.
+    void renew_split(const double* r,
+                     const double* y,
+                     double beta,
+                     int begin,
+                     int end,
+                     double* t,
+                     double* s) const;
 
     [[nodiscard]] int num_aggregates() const { return aggregates_.count; }
 
-    /// One block of W.
-    struct Entry {
-        int aggregate;
-        int coarse;  ///< place of (aggregate of the row, aggregate) in coarse_rows_
-        float w[4 * kModes];  ///< by columns; the fourth number of each is 0
-    };
-
   private:
+    template <class Exec, class Restrict>
+    double solve_restricted(Exec& exec, const Restrict& restrict_to) {
+        exec.for_each("linear/coarse_restrict", num_aggregates(), restrict_to, 8);
+        return solve_coarse();
+    }
+
     void fill_modes(const ColouredOperator& op,
                     const InverseFactor* scale,
                     View<const Vec3d> x,
                     int aggregate);
     template <class Number>
-    void fill_row(const ColouredOperator& op, const Number* upper, int row);
+    void fill_row(const ColouredOperator& op,
+                  const Number* lower,
+                  const Number* upper,
+                  int row);
     void fill_coarse_row(int aggregate);
-    void find_rows(const ColouredOperator& op);
-    void find_entries(const ColouredOperator& op);
-    void find_coarse_pattern();
-    bool factorize();
-    void restrict_to(int aggregate, const double* r);
+    void sum_matrix();
+    void restrict_start(int aggregate, const double* b);
+    void restrict_split(int aggregate, const double* r, const double* y);
+    void restrict_residual(int aggregate, const double* r, const double* y);
     double solve_coarse();
 
     RigidAggregates aggregates_;
-    std::vector<int> aggregate_;          ///< per row, or -1
-    std::vector<int> rows_begin_, rows_;  ///< rows of each aggregate
-
-    std::vector<int> entry_begin_;  ///< num_rows + 1: the row's own aggregate comes first
-    std::vector<Entry> entries_;
-    std::vector<int> entry_row_;
-    std::vector<int> by_aggregate_begin_, by_aggregate_;  ///< entries of each aggregate
-
-    std::vector<double> modes_;                   ///< Z', 18 per row
-    std::vector<int> coarse_begin_, coarse_col_;  ///< Z'ᵀ W by rows
-    std::vector<Block6> coarse_rows_, gram_;      ///< Z'ᵀ W and Z'ᵀ Z' per aggregate
+    CoarsePattern pattern_;
+    std::vector<float> modes_;             ///< Z', a block per row
+    std::vector<double> pull_;             ///< H, a block per upper coupling
+    std::vector<float> pull_of_;           ///< H by aggregates, in the order of upper.of
+    std::vector<float> push_of_;           ///< V by aggregates, in the order of lower.of
+    std::vector<Block6> coupling_, gram_;  ///< Z'ᵀ H and Z'ᵀ Z', both transposed
     CoarseMatrix matrix_;
-    std::vector<int> from_;  ///< per matrix block: places in coarse_rows_, or -1: (row,
-                             ///< col) and (col, row)
     CoarseCholesky cholesky_;
     std::vector<double> g_, c_;
 };

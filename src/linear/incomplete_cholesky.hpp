@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Block incomplete Cholesky factor without fill, M D Mᵀ with unit lower triangular M, of
-/// the block matrix plus the low-rank terms, contact couplings included. CPU only.
+/// a scaled operator, contact couplings included. CPU only.
 ///
 /// Contact stiffness is a local difficulty that block Jacobi does not see and this factor
 /// does: 3 to 10 times fewer iterations on real scenes.
 ///
 /// * Order. See ColouredOperator.
 /// * Shift. The matrix is no M-matrix, so pivots may fail. Then all diagonal blocks are
-/// scaled by
-///   1 + shift and the factorisation starts again. Repairing only the failed pivots
-///   lets the other entries of their rows explode.
-/// * Precision. Factorised in double; M stored in float; D in double, because a contact's
-/// pivot
-///   block spans more magnitudes than a float inverse can hold. The sweeps run in float.
-///
+///   scaled by 1 + shift and the factorisation starts again. Repairing only the failed
+///   pivots lets the other entries of their rows explode.
+/// * Precision. Factorised in double; M stored in float, D and vectors in double.
 #include "linear/block_jacobi.hpp"
-#include "linear/coloured_operator.hpp"
+#include "linear/scaled_operator.hpp"
 
-#include <cstdint>
 #include <vector>
 
 namespace noli {
@@ -34,61 +29,51 @@ class IncompleteCholesky {
   public:
     /// Factorises. Returns false when no shift up to 1e3 helps or a number is not finite;
     /// the preconditioner is not usable then.
-    ///
-    /// In:   fixed  (num_rows): non-zero where the unknown is held at 0
     template <class Exec>
-    bool build(Exec& exec,
-               const BlockMatrix<Exec>& matrix,
-               const LowRankTerms<Exec>& terms,
-               View<const std::uint8_t> fixed) {
+    bool build(Exec& exec, const ScaledOperator& op) {
         static_assert(!Exec::kIsDevice, "the incomplete factorisation runs on the CPU");
-        OperatorCopy copy;
-        const OperatorView op = view_operator(exec, matrix, terms, copy);
-        if (op_.update_pattern(exec, op, fixed)) resize();
-        op_.update_values(exec, op);
-        if (!find_factor(exec)) return false;
-        op_.for_rows(exec, [this](int i) { transpose_row(i); });
+        resize(op.rows());
+        if (!find_factor(exec, op)) return false;
+        op.rows().for_rows(exec, [this, &op](int i) { transpose_row(op.rows(), i); });
         return true;
     }
 
-    /// z = (M D Mᵀ)⁻¹ r, 0 at fixed vertices; returns r.z.
-    template <class Exec>
-    double apply(Exec& exec, View<const Vec3d> r, View<Vec3d> z) {
-        for (int c = 0; c < op_.num_colours(); ++c)
-            op_.for_groups(exec, c, [this, r](int g) { return forward(g, r), true; });
-        for (int c = op_.num_colours() - 1; c >= 0; --c)
-            op_.for_groups(exec, c, [this](int g) { return backward(g), true; });
-        return exec.sum("linear/ic_result", z.size, [this, r, z](int v) {
-            z[v] = result(v);
-            return dot(r[v], z[v]);
-        });
-    }
+    /// y = M⁻¹ r over the rows of one group; colours ascending. Vectors have four doubles
+    /// per row, the last is 0.
+    void forward(const ColouredOperator& rows,
+                 int group,
+                 const double* r,
+                 double* y) const;
+
+    /// y = M⁻ᵀ D⁻¹ y over the rows of one group; colours descending. Returns r.y.
+    double backward(const ColouredOperator& rows,
+                    int group,
+                    const double* r,
+                    double* y) const;
 
     ShiftMemory& memory() { return memory_; }
-    [[nodiscard]] int num_colours() const { return op_.num_colours(); }
 
   private:
-    static constexpr int kRowsPerBlock = 64;
-    static constexpr double kFirstShift = 1e-2;
+    static constexpr double kFirstShift = 1.25e-3;
     static constexpr double kLargestShift = 1e3;
     static constexpr int kSuccessesBeforeSmaller = 8;
 
     template <class Exec>
-    bool try_factor(Exec& exec, double shift) {
-        for (int c = 0; c < op_.num_colours(); ++c)
-            if (!op_.for_groups(
-                    exec, c, [this, shift](int g) { return factor(g, shift); }))
+    bool try_factor(Exec& exec, const ScaledOperator& op, double shift) {
+        for (int c = 0; c < op.rows().num_colours(); ++c)
+            if (!op.rows().for_groups(
+                    exec, c, [this, &op, shift](int g) { return factor(op, g, shift); }))
                 return false;
         return true;
     }
 
     template <class Exec>
-    bool find_factor(Exec& exec) {
+    bool find_factor(Exec& exec, const ScaledOperator& op) {
         double shift = memory_.shift > 0.0 ? memory_.shift : kFirstShift;
         if (memory_.successes >= kSuccessesBeforeSmaller) shift *= 0.5;
         memory_.successes =
             memory_.successes >= kSuccessesBeforeSmaller ? 0 : memory_.successes + 1;
-        while (!try_factor(exec, shift)) {
+        while (!try_factor(exec, op, shift)) {
             memory_.successes = 0;
             shift *= 2.0;
             if (shift > kLargestShift) {
@@ -100,18 +85,13 @@ class IncompleteCholesky {
         return true;
     }
 
-    void resize();
-    bool factor(int group, double shift);
-    void transpose_row(int row);
-    void forward(int group, View<const Vec3d> r);
-    void backward(int group);
-    [[nodiscard]] Vec3d result(int vertex) const;
+    void resize(const ColouredOperator& rows);
+    bool factor(const ScaledOperator& op, int group, double shift);
+    void transpose_row(const ColouredOperator& rows, int row);
 
-    ColouredOperator op_{kRowsPerBlock};
     std::vector<float> lower_;             ///< M, column-major 3x3 blocks
     std::vector<float> upper_;             ///< Mᵀ, column-major 3x3 blocks
     std::vector<SymMat3d> pivot_inverse_;  ///< D⁻¹
-    std::vector<float> y_;                 ///< four per row; the last is junk
     ShiftMemory memory_;
 };
 

@@ -17,9 +17,8 @@
 #endif
 #include "linear/block_jacobi.hpp"
 #include "linear/device_pcg.hpp"
-#include "linear/gauss_seidel_cg.hpp"
-#include "linear/incomplete_cholesky.hpp"
 #include "linear/pcg_options.hpp"
+#include "linear/sweep_cg.hpp"
 
 namespace noli {
 
@@ -39,29 +38,6 @@ double pcg_start(Exec& exec,
         r[i] = b[i];
         p[i] = z;
         return dot(b[i], z);
-    });
-}
-
-/// x = 0, r = b
-template <class Exec>
-void pcg_clear(Exec& exec, View<const Vec3d> b, View<Vec3d> x, View<Vec3d> r) {
-    exec.for_each("linear/pcg_clear", x.size, [=] NOLI_HD(int i) {
-        x[i] = {0, 0, 0};
-        r[i] = b[i];
-    });
-}
-
-/// x += alpha p, r -= alpha q
-template <class Exec>
-void pcg_advance(Exec& exec,
-                 double alpha,
-                 View<const Vec3d> p,
-                 View<const Vec3d> q,
-                 View<Vec3d> x,
-                 View<Vec3d> r) {
-    exec.for_each("linear/pcg_advance", x.size, [=] NOLI_HD(int i) {
-        x[i] += alpha * p[i];
-        r[i] -= alpha * q[i];
     });
 }
 
@@ -119,16 +95,18 @@ class Pcg {
                     const PcgOptions& options,
                     View<Vec3d> x) {
         if constexpr (!Exec::kIsDevice) {
-            if (options.preconditioner == PreconditionerKind::GaussSeidel
-                && !options.contacts_by_warps)
-                return gauss_seidel_.solve(exec, matrix, terms, b, fixed, options, x);
+            if (!options.contacts_by_warps
+                && options.preconditioner != PreconditionerKind::BlockJacobi)
+                return sweeps_.solve(exec, matrix, terms, b, fixed, options, x);
         }
         if (Exec::kIsDevice || options.contacts_by_warps)
             return device_.solve(exec, matrix, terms, b, fixed, options, x);
+        [[maybe_unused]] const auto threads = stand_by(exec);
         resize(matrix.num_rows());
         PcgResult result;
-        result.preconditioner = build(exec, matrix, terms, fixed, options.preconditioner);
-        double delta = start(exec, b, x);
+        jacobi_.build(exec, matrix, terms, fixed);
+        double delta =
+            detail::pcg_start(exec, jacobi_.inverse(), b, x, r_.view(), p_.view());
         const double delta_start = delta;
         if (delta == 0.0) return result;
         result.residual_ratio = 1.0;
@@ -160,19 +138,22 @@ class Pcg {
         if constexpr (Exec::kIsDevice)
             device_.set_order(order);
         else
-            gauss_seidel_.set_order(order);
+            sweeps_.set_order(order);
     }
 
-    /// See GaussSeidelCg::set_aggregates and DevicePcg::set_aggregates.
+    /// See SweepCg::set_aggregates and DevicePcg::set_aggregates.
     void set_aggregates(RigidAggregates aggregates) {
         if constexpr (Exec::kIsDevice)
             device_.set_aggregates(aggregates);
         else
-            gauss_seidel_.set_aggregates(std::move(aggregates));
+            sweeps_.set_aggregates(std::move(aggregates));
     }
 
+    /// Forgets what earlier solves have left: the same solves give the same bits again.
+    void forget() { sweeps_.forget(); }
+
     /// State that the incomplete factorisation carries from solve to solve.
-    ShiftMemory& shift_memory() { return incomplete_.memory(); }
+    ShiftMemory& shift_memory() { return sweeps_.shift_memory(); }
 
   private:
     static bool finished(PcgStop& stop,
@@ -186,37 +167,18 @@ class Pcg {
         return stop.reached(result.residual_ratio);
     }
 
+    static auto stand_by(Exec& exec) {
+        if constexpr (Exec::kIsDevice)
+            return 0;
+        else
+            return exec.stand_by();
+    }
+
     void resize(int n) {
         r_.resize(n);
         z_.resize(n);
         p_.resize(n);
         q_.resize(n);
-    }
-
-    PreconditionerKind build(Exec& exec,
-                             const BlockMatrix<Exec>& matrix,
-                             const LowRankTerms<Exec>& terms,
-                             View<const std::uint8_t> fixed,
-                             PreconditionerKind kind) {
-        use_incomplete_ = false;
-        if constexpr (!Exec::kIsDevice) {
-            if (kind == PreconditionerKind::IncompleteCholesky)
-                use_incomplete_ = incomplete_.build(exec, matrix, terms, fixed);
-        }
-        if (use_incomplete_) return PreconditionerKind::IncompleteCholesky;
-        jacobi_.build(exec, matrix, terms, fixed);
-        return PreconditionerKind::BlockJacobi;
-    }
-
-    /// x = 0, r = b, p = P⁻¹ r; returns r.P⁻¹r.
-    double start(Exec& exec, View<const Vec3d> b, View<Vec3d> x) {
-        if constexpr (!Exec::kIsDevice) {
-            if (use_incomplete_) {
-                detail::pcg_clear(exec, b, x, r_.view());
-                return incomplete_.apply(exec, View<const Vec3d>(r_.view()), p_.view());
-            }
-        }
-        return detail::pcg_start(exec, jacobi_.inverse(), b, x, r_.view(), p_.view());
     }
 
     /// q = A p; returns p.q.
@@ -231,21 +193,13 @@ class Pcg {
     double update(Exec& exec, double alpha, View<Vec3d> x) {
         const View<const Vec3d> p = p_.view();
         const View<const Vec3d> q = q_.view();
-        if constexpr (!Exec::kIsDevice) {
-            if (use_incomplete_) {
-                detail::pcg_advance(exec, alpha, p, q, x, r_.view());
-                return incomplete_.apply(exec, View<const Vec3d>(r_.view()), z_.view());
-            }
-        }
         return detail::pcg_update(
             exec, jacobi_.inverse(), alpha, p, q, x, r_.view(), z_.view());
     }
 
     BlockJacobi<Exec> jacobi_;
-    IncompleteCholesky incomplete_;
-    GaussSeidelCg gauss_seidel_;
+    SweepCg sweeps_;
     DevicePcg<Exec> device_;
-    bool use_incomplete_ = false;
     typename Exec::template Buffer<Vec3d> r_, z_, p_, q_;
 };
 

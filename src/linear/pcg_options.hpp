@@ -56,6 +56,9 @@ class PcgStop {
     explicit PcgStop(const PcgOptions& options)
         : test_(options.test), tolerance_(options.tolerance) {}
 
+    /// What the first guess has lowered the energy by already, twice; 0 for x = 0.
+    NOLI_HD void start(double decrease) { total_ = decrease; }
+
     /// `decrease` = alpha r.z of an iteration.
     NOLI_HD void add(double decrease) {
         total_ += decrease;

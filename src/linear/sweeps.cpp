@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/sweeps.hpp"
 
-#include "exec/lanes.hpp"
-#include "linear/wide.hpp"
+#include "linear/column_sums.hpp"
 
 #include <cmath>
 
@@ -12,31 +11,13 @@ namespace {
 
 using detail::add_lanes;
 using detail::apply_factor;
-using detail::load_wide;
+using detail::ColumnSums;
 using detail::wide;
 using Double4 = detail::Wide;
 
 std::size_t at(int i) {
     return static_cast<std::size_t>(i);
 }
-
-/// Running sums of B x over column-major 3x3 blocks B, one per column so that they do not
-/// wait for each other. Loads of four reach one number past each column; total() drops
-/// that lane.
-struct ColumnSums {
-    Double4 c0{}, c1{}, c2{};
-
-    template <class Number>
-    void add(const Number* block, const double* x) {
-        c0 += load_wide(block) * x[0];
-        c1 += load_wide(block + 3) * x[1];
-        c2 += load_wide(block + 6) * x[2];
-    }
-    [[nodiscard]] Double4 total() const {
-        const Double4 sum = c0 + c1 + c2;
-        return Double4{sum[0], sum[1], sum[2], 0.0};
-    }
-};
 
 template <class Number>
 inline __attribute__((always_inline)) double backward_rows(
@@ -60,15 +41,85 @@ inline __attribute__((always_inline)) double backward_rows(
 }
 
 template <class Number>
-inline __attribute__((always_inline)) void backward_rows_alone(
-    const detail::SweepArrays<Number>& s, int begin, int end) {
+inline __attribute__((always_inline)) double residual_rows(
+    const detail::SweepArrays<Number>& s, double alpha, int begin, int end) {
+    Double4 rr{};
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
         for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
+            sums.add(s.upper + 9 * at(k), s.y + 4 * at(s.upper_col.data[k]));
+        const std::size_t row = 4 * at(i);
+        const Double4 t = wide(s.t + row);
+        wide(s.x + row) += alpha * t;
+        const Double4 r = wide(s.r + row) - alpha * (t + wide(s.w + row));
+        wide(s.r + row) = r;
+        wide(s.y + row) = r - sums.total();
+        rr += r * r;
+    }
+    return add_lanes(rr);
+}
+
+/// L' v at row i.
+template <class Number>
+inline __attribute__((always_inline)) void add_lower(const detail::SweepArrays<Number>& s,
+                                                     const double* v,
+                                                     int i,
+                                                     ColumnSums& sums) {
+    const int first = s.lower_begin.data[i];
+    const int last = s.lower_begin.data[i + 1] - 1;
+    const Number* block = s.lower + 9 * at(first - i);
+    for (int k = first; k < last; ++k, block += 9)
+        sums.add(block, v + 4 * at(s.lower_col.data[k]));
+}
+
+template <class Number>
+inline __attribute__((always_inline)) void split_rows(
+    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
+    Double4 pq{};
+    Double4 rp{};
+    Double4 rq{};
+    Double4 qq{};
+    for (int i = begin; i < end; ++i) {
+        ColumnSums sums;
+        add_lower(s, s.w, i, sums);
+        const std::size_t row = 4 * at(i);
+        const Double4 apart = wide(s.s + row);
+        const Double4 t = wide(s.t + row);
+        const Double4 r = wide(s.r + row);
+        const Double4 w = apart - sums.total();
+        const Double4 p = apart + t;
+        const Double4 q = t + w;
+        wide(s.w + row) = w;
+        pq += p * q;
+        rp += r * p;
+        rq += r * q;
+        qq += q * q;
+    }
+    out.pq = add_lanes(pq);
+    out.rp = add_lanes(rp);
+    out.rq = add_lanes(rq);
+    out.qq = add_lanes(qq);
+}
+
+template <class Number>
+inline __attribute__((always_inline)) void product_rows(
+    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
+    Double4 pq{};
+    Double4 rp{};
+    for (int i = begin; i < end; ++i) {
+        ColumnSums sums;
+        add_lower(s, s.t, i, sums);
+        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
             sums.add(s.upper + 9 * at(k), s.t + 4 * at(s.upper_col.data[k]));
         const std::size_t row = 4 * at(i);
-        wide(s.t + row) = wide(s.p + row) - sums.total();
+        const Double4 t = wide(s.t + row);
+        const Double4 w = t + sums.total();
+        wide(s.w + row) = w;
+        pq += t * w;
+        rp += wide(s.r + row) * t;
     }
+    out.pq = add_lanes(pq);
+    out.rp = add_lanes(rp);
 }
 
 template <class Number>
@@ -79,11 +130,7 @@ inline __attribute__((always_inline)) void forward_rows(
     Double4 qq{};
     for (int i = begin; i < end; ++i) {
         ColumnSums sums;
-        const int first = s.lower_begin.data[i];
-        const int last = s.lower_begin.data[i + 1] - 1;
-        const Number* block = s.lower + 9 * at(first - i);
-        for (int k = first; k < last; ++k, block += 9)
-            sums.add(block, s.w + 4 * at(s.lower_col.data[k]));
+        add_lower(s, s.w, i, sums);
         const std::size_t row = 4 * at(i);
         const Double4 p = wide(s.p + row);
         const Double4 t = wide(s.t + row);
@@ -133,101 +180,54 @@ inline __attribute__((always_inline)) void scale_row_blocks(
                     s.upper + 9 * at(s.upper_place[first + p]));
 }
 
-#if defined(__x86_64__)
-template <class Number>
-__attribute__((target("avx2"), flatten)) double backward_rows_avx2(
-    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
-    return backward_rows(s, alpha, beta, begin, end);
-}
-template <class Number>
-__attribute__((target("avx2"), flatten)) void backward_rows_alone_avx2(
-    const detail::SweepArrays<Number>& s, int begin, int end) {
-    backward_rows_alone(s, begin, end);
-}
-template <class Number>
-__attribute__((target("avx2"), flatten)) void forward_rows_avx2(
-    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
-    forward_rows(s, begin, end, out);
-}
-template <class Number>
-__attribute__((target("avx2"), flatten)) void scale_row_blocks_avx2(
-    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
-    scale_row_blocks(s, row, first, count, blocks);
-}
-bool has_avx2() {
-    return lane_dispatch() != LaneDispatch::Width2;
-}
-#endif
-
-template <class Number>
-double sweep_rows_backward(
-    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
-#if defined(__x86_64__)
-    if (has_avx2()) return backward_rows_avx2(s, alpha, beta, begin, end);
-#endif
-    return backward_rows(s, alpha, beta, begin, end);
-}
-
-template <class Number>
-void sweep_rows_backward_alone(const detail::SweepArrays<Number>& s, int begin, int end) {
-#if defined(__x86_64__)
-    if (has_avx2()) return backward_rows_alone_avx2(s, begin, end);
-#endif
-    backward_rows_alone(s, begin, end);
-}
-
-template <class Number>
-void sweep_rows_forward(const detail::SweepArrays<Number>& s,
-                        int begin,
-                        int end,
-                        detail::SweepSums& sums) {
-#if defined(__x86_64__)
-    if (has_avx2()) return forward_rows_avx2(s, begin, end, sums);
-#endif
-    forward_rows(s, begin, end, sums);
-}
-
-template <class Number>
-void scale_any_blocks(
-    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
-#if defined(__x86_64__)
-    if (has_avx2()) return scale_row_blocks_avx2(s, row, first, count, blocks);
-#endif
-    scale_row_blocks(s, row, first, count, blocks);
-}
-
 }  // namespace
 
 namespace detail {
 
 void scale_blocks(
     const RowScaling<double>& s, int row, int first, int count, const Mat3d* blocks) {
-    scale_any_blocks(s, row, first, count, blocks);
+    return with_avx2([&] { return scale_row_blocks(s, row, first, count, blocks); });
 }
 void scale_blocks(
     const RowScaling<float>& s, int row, int first, int count, const Mat3d* blocks) {
-    scale_any_blocks(s, row, first, count, blocks);
+    return with_avx2([&] { return scale_row_blocks(s, row, first, count, blocks); });
 }
 
 double sweep_backward(
     const SweepArrays<double>& s, double alpha, double beta, int begin, int end) {
-    return sweep_rows_backward(s, alpha, beta, begin, end);
+    return with_avx2([&] { return backward_rows(s, alpha, beta, begin, end); });
 }
 double sweep_backward(
     const SweepArrays<float>& s, double alpha, double beta, int begin, int end) {
-    return sweep_rows_backward(s, alpha, beta, begin, end);
+    return with_avx2([&] { return backward_rows(s, alpha, beta, begin, end); });
 }
-void sweep_backward_alone(const SweepArrays<double>& s, int begin, int end) {
-    sweep_rows_backward_alone(s, begin, end);
+
+double sweep_residual(const SweepArrays<double>& s, double alpha, int begin, int end) {
+    return with_avx2([&] { return residual_rows(s, alpha, begin, end); });
 }
-void sweep_backward_alone(const SweepArrays<float>& s, int begin, int end) {
-    sweep_rows_backward_alone(s, begin, end);
+double sweep_residual(const SweepArrays<float>& s, double alpha, int begin, int end) {
+    return with_avx2([&] { return residual_rows(s, alpha, begin, end); });
 }
+
 void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
-    sweep_rows_forward(s, begin, end, sums);
+    return with_avx2([&] { return forward_rows(s, begin, end, sums); });
 }
 void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
-    sweep_rows_forward(s, begin, end, sums);
+    return with_avx2([&] { return forward_rows(s, begin, end, sums); });
+}
+
+void sweep_split(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
+    return with_avx2([&] { return split_rows(s, begin, end, sums); });
+}
+void sweep_split(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
+    return with_avx2([&] { return split_rows(s, begin, end, sums); });
+}
+
+void multiply_rows(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
+    return with_avx2([&] { return product_rows(s, begin, end, sums); });
+}
+void multiply_rows(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
+    return with_avx2([&] { return product_rows(s, begin, end, sums); });
 }
 
 }  // namespace detail

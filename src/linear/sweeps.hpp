@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The triangular sweeps of gauss_seidel_cg.hpp over a range of rows, and the scaling of
-/// the blocks that they read.
+/// The triangular sweeps and the product of sweep_cg.hpp over a range of rows, and the
+/// scaling of the blocks that they read.
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
@@ -21,6 +21,8 @@ struct SweepArrays {
     const Number* lower;  ///< L', column-major 3x3 blocks
     const Number* upper;  ///< L'ᵀ, column-major 3x3 blocks
     double *x, *r, *p, *t, *w;
+    double* y = nullptr;  ///< these two with a coarse space or a product only
+    double* s = nullptr;
 };
 
 /// Dot products over the rows of one group.
@@ -28,6 +30,7 @@ struct SweepSums {
     double rr =
         0.0;  ///< r.r, from the backward sweep; the others are from the forward sweep
     double pq = 0.0, rq = 0.0, qq = 0.0;
+    double rp = 0.0;  ///< of the loops that do not know it beforehand
 };
 
 /// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w), p = r + beta p and
@@ -37,9 +40,18 @@ double sweep_backward(
 double sweep_backward(
     const SweepArrays<float>& s, double alpha, double beta, int begin, int end);
 
-/// For rows end-1 down to begin: t = p - L'ᵀ t.
-void sweep_backward_alone(const SweepArrays<double>& s, int begin, int end);
-void sweep_backward_alone(const SweepArrays<float>& s, int begin, int end);
+/// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w) and y = r - L'ᵀ y.
+/// Returns r.r.
+double sweep_residual(const SweepArrays<double>& s, double alpha, int begin, int end);
+double sweep_residual(const SweepArrays<float>& s, double alpha, int begin, int end);
+
+/// w = s - L' w for rows begin to end-1. Sets the sums over q = t + w and p = s + t.
+void sweep_split(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
+void sweep_split(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
+
+/// w = t + L' t + L'ᵀ t for rows begin to end-1. Sets pq = t.w and rp = r.t.
+void multiply_rows(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
+void multiply_rows(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
 
 /// w = p - t - L' w for rows begin to end-1. Sets the sums over q = t + w.
 void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);

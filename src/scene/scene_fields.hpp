@@ -64,7 +64,10 @@ inline constexpr std::array kLinearSolvers{
     Choice{LinearSolver::Cholmod, "cholmod", "sparse factorisation, if built in"},
     Choice{LinearSolver::BlockJacobi,
            "block_jacobi",
-           "conjugate gradients as on a GPU, for comparison"}};
+           "conjugate gradients with block Jacobi, for comparison"},
+    Choice{LinearSolver::IncompleteCholesky,
+           "incomplete_cholesky",
+           "conjugate gradients with block IC(0), fewest iterations; CPU only"}};
 inline constexpr std::array kContactProducts{
     Choice{ContactProduct::Modes, "modes", "a few vectors per contact"},
     Choice{

@@ -10,6 +10,7 @@
 #include "objective/objective.hpp"
 #include "step/boundary_path.hpp"
 #include "step/settings.hpp"
+#include "step/sound_travel.hpp"
 
 namespace noli {
 
@@ -64,17 +65,20 @@ Later max_free_component(Exec& exec,
 template <class Exec>
 class DirectionSolver {
   public:
-    explicit DirectionSolver(const Model& model) {
+    DirectionSolver(const Model& model, LinearSolver linear) {
         const int num_vertices = model.num_vertices;
         const std::vector<int> order = morton_order(model.x0);
         pcg_.set_order(order);
         const int size =
-            Exec::kIsDevice ? kDeviceAggregate : aggregate_size(num_vertices);
+            Exec::kIsDevice ? kDeviceAggregate : aggregate_size_for(num_vertices, linear);
         pcg_.set_aggregates(cut_aggregates(model.tets, order, size));
         rhs_.resize(num_vertices);
         prescribed_.resize(num_vertices);
         pushed_.resize(num_vertices);
     }
+
+    /// Forgets what solves of earlier steps have left, for a resumed run has none of it.
+    void begin_step() { pcg_.forget(); }
 
     /// Starts to look how far the prescribed vertices are from the end of the leg that
     /// they are on; before find_remaining.

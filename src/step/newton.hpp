@@ -19,6 +19,7 @@
 #include "step/collision.hpp"
 #include "step/direction.hpp"
 #include "step/line_search.hpp"
+#include "step/preconditioner_choice.hpp"
 #include "step/sound_travel.hpp"
 #include "step/stiffness.hpp"
 #include "step/trouble.hpp"
@@ -39,7 +40,7 @@ class Newton {
           model_(model),
           settings_(settings),
           objective_(exec, model, pattern),
-          direction_(model) {
+          direction_(model, settings.solver.linear) {
         exec.upload(model.obstacle, obstacle_);
         p_.resize(model.num_vertices);
         x_trial_.resize(model.num_vertices);
@@ -53,6 +54,8 @@ class Newton {
         by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
         use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
                    && settings.solver.linear != LinearSolver::BlockJacobi;
+        may_take_jacobi_ = may_take_block_jacobi(model, settings.dt)
+                        && settings.solver.pcg_tolerance <= 0.0;
         for (std::size_t t = 0; t < model.tets.size(); ++t)
             stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
@@ -66,6 +69,8 @@ class Newton {
                     StepReport& report) {
         fixed_ = fixed;
         yielded_ = false;
+        direction_.begin_step();
+        choice_.begin_step();
         objective_.begin_step(exec_, scales, x, x_tilde, fixed);
         law_.hessian = hessian_of(settings_.contact.hessian);
         {
@@ -261,6 +266,7 @@ class Newton {
         ++report.newton;
         report.pcg += solved.iterations;
         record.pcg = solved.iterations;
+        choice_.after_solve(solved.iterations);
         return solved;
     }
 
@@ -271,13 +277,10 @@ class Newton {
                            double small,
                            const IterationRecord& record) {
         const double asked = settings_.solver.pcg_tolerance;
-        PcgOptions options{
-            .max_iterations = settings_.solver.max_pcg,
-            .preconditioner = settings_.solver.linear == LinearSolver::BlockJacobi
-                                ? PreconditionerKind::BlockJacobi
-                                : PreconditionerKind::GaussSeidel,
-            .contacts_by_warps = by_warps_,
-            .inertia = objective_.inertia_diagonal()};
+        PcgOptions options{.max_iterations = settings_.solver.max_pcg,
+                           .preconditioner = preconditioner(),
+                           .contacts_by_warps = by_warps_,
+                           .inertia = objective_.inertia_diagonal()};
         if (use_coarse_) options.positions = x;
         if (asked > 0.0) {
             options.tolerance = pace_.tolerance(asked, record.boundary_moved);
@@ -290,6 +293,18 @@ class Newton {
             return exec_.value(detail::max_component(exec_, p)) < small;
         };
         return options;
+    }
+
+    [[nodiscard]] PreconditionerKind preconditioner() const {
+        switch (settings_.solver.linear) {
+            case LinearSolver::BlockJacobi:
+                return PreconditionerKind::BlockJacobi;
+            case LinearSolver::IncompleteCholesky:
+                return PreconditionerKind::IncompleteCholesky;
+            default:
+                return may_take_jacobi_ ? choice_.kind()
+                                        : PreconditionerKind::GaussSeidel;
+        }
     }
 
     /// Largest step without inversion and without collision; candidates of that motion.
@@ -410,6 +425,8 @@ class Newton {
     double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
     bool use_coarse_ = false;     ///< rigid modes in the linear solver
     bool by_warps_ = false;       ///< contacts multiplied as in the supplement
+    bool may_take_jacobi_ = false;
+    PreconditionerChoice choice_;
     bool yielded_ = false;
     Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;

@@ -56,6 +56,15 @@ bool wants_coarse_space(const Model& model, double dt, bool on_device) {
                > (on_device ? kDeviceCoarseSoundTravel : kCoarseSoundTravel);
 }
 
+bool may_take_block_jacobi(const Model& model, double dt) {
+    return model.num_vertices >= kCoarseVertices && !wants_coarse_space(model, dt);
+}
+
+int aggregate_size_for(int num_vertices, LinearSolver linear) {
+    const int size = aggregate_size(num_vertices);
+    return linear == LinearSolver::IncompleteCholesky ? size / 2 : size;
+}
+
 std::string describe_linear_solver(const Model& model,
                                    LinearSolver asked,
                                    double dt,
@@ -65,15 +74,18 @@ std::string describe_linear_solver(const Model& model,
         return "conjugate gradients, block Jacobi, as asked for";
     const std::string reach = fmt::format(
         "stiffness reaches {:.2g} elements far in a step", sound_travel(model, dt));
-    const char* local = on_device ? "block Jacobi" : "Gauss-Seidel";
+    const bool factor = asked == LinearSolver::IncompleteCholesky && !on_device;
+    const char* local = on_device ? "block Jacobi" : factor ? "IC(0)" : "Gauss-Seidel";
     if (wants_coarse_space(model, dt, on_device))
         return fmt::format(
             "conjugate gradients, {} + rigid motions of about {} vertices each ({})",
             local,
-            on_device ? kDeviceAggregate : aggregate_size(model.num_vertices),
+            on_device ? kDeviceAggregate : aggregate_size_for(model.num_vertices, asked),
             reach);
-    return fmt::format("conjugate gradients, {} ({}{})",
+    const bool either = !on_device && !factor && may_take_block_jacobi(model, dt);
+    return fmt::format("conjugate gradients, {}{} ({}{})",
                        local,
+                       either ? ", block Jacobi for solves of few iterations" : "",
                        model.num_vertices < kCoarseVertices ? "small scene; " : "",
                        reach);
 }

@@ -65,6 +65,22 @@ Scene squeeze() {
     return scene;
 }
 
+/// Large and stiff enough for the coarse space.
+Scene stiff_pile() {
+    Scene scene = pile();
+    scene.name = "stiff_pile";
+    for (Body& body : scene.bodies)
+        body.material.young = 1e8;
+    return scene;
+}
+
+Scene factored_pile() {
+    Scene scene = stiff_pile();
+    scene.name = "factored_pile";
+    scene.solver.linear = LinearSolver::IncompleteCholesky;
+    return scene;
+}
+
 constexpr int kSteps = 30;
 
 std::uint64_t hash_after(const Scene& scene, int threads) {
@@ -105,10 +121,11 @@ TEST_P(StateHash, IsTheSameForEveryThreadCountAndAcrossAResume) {
     EXPECT_EQ(hash_with_resume(GetParam()), one) << "resume";
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes,
-                         StateHash,
-                         ::testing::Values(pile(), twisted_bar(), squeeze()),
-                         [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Scenes,
+    StateHash,
+    ::testing::Values(pile(), stiff_pile(), factored_pile(), twisted_bar(), squeeze()),
+    [](const auto& tested) { return tested.param.name; });
 
 TEST(StateHash, DiffersWhenTheSceneDiffers) {
     Scene scene = squeeze();

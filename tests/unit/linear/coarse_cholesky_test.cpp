@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/coarse_cholesky.hpp"
 
+#include "exec/cpu.hpp"
+
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -13,6 +15,8 @@ namespace noli {
 namespace {
 
 using Dense = Eigen::MatrixXd;
+
+SerialExec exec;
 
 /// Pairs (row, column) of blocks below the diagonal.
 using Couplings = std::vector<std::pair<int, int>>;
@@ -95,7 +99,7 @@ TEST(CoarseCholesky, MatchesADenseFactorisation) {
         const CoarseMatrix matrix = to_blocks(n, couplings, a);
         CoarseCholesky solver;
         solver.analyze(matrix);
-        ASSERT_TRUE(solver.factorize(matrix)) << n;
+        ASSERT_TRUE(solver.factorize(exec, matrix)) << n;
         expect_solves(solver, a, rng);
         expect_solves(solver, a, rng);  // a solve leaves the factor as it is
     }
@@ -112,7 +116,7 @@ TEST(CoarseCholesky, TakesADiagonalMatrixAndADenseOne) {
         const CoarseMatrix matrix = to_blocks(12, couplings, a);
         CoarseCholesky solver;
         solver.analyze(matrix);
-        ASSERT_TRUE(solver.factorize(matrix));
+        ASSERT_TRUE(solver.factorize(exec, matrix));
         EXPECT_EQ(solver.num_blocks(), couplings.size() + 12);  // no fill
         expect_solves(solver, a, rng);
     }
@@ -127,7 +131,7 @@ TEST(CoarseCholesky, FillsNothingOfATree) {
     const CoarseMatrix matrix = to_blocks(60, star, a);
     CoarseCholesky solver;
     solver.analyze(matrix);
-    ASSERT_TRUE(solver.factorize(matrix));
+    ASSERT_TRUE(solver.factorize(exec, matrix));
     EXPECT_EQ(solver.num_blocks(), 60u + 59u);  // 1830 in the matrix's own order
     expect_solves(solver, a, rng);
 }
@@ -139,7 +143,7 @@ TEST(CoarseCholesky, TakesNewValues) {
     solver.analyze(to_blocks(30, couplings, random_spd(30, couplings, rng)));
     for (int k = 0; k < 3; ++k) {
         const Dense a = random_spd(30, couplings, rng);
-        ASSERT_TRUE(solver.factorize(to_blocks(30, couplings, a)));
+        ASSERT_TRUE(solver.factorize(exec, to_blocks(30, couplings, a)));
         expect_solves(solver, a, rng);
     }
 }
@@ -155,7 +159,7 @@ TEST(CoarseCholesky, FollowsChangesOfThePattern) {
             const Dense a = random_spd(n, couplings, rng);
             const CoarseMatrix matrix = to_blocks(n, couplings, a);
             solver.analyze(matrix);
-            ASSERT_TRUE(solver.factorize(matrix)) << n << " " << count;
+            ASSERT_TRUE(solver.factorize(exec, matrix)) << n << " " << count;
             expect_solves(solver, a, rng);
         }
 }
@@ -176,7 +180,7 @@ TEST(CoarseCholesky, FindsANewOrderWhenTheOldOneFillsTooMuch) {
         const Dense a = random_spd(50, star(centre), rng);
         const CoarseMatrix matrix = to_blocks(50, star(centre), a);
         solver.analyze(matrix);
-        ASSERT_TRUE(solver.factorize(matrix));
+        ASSERT_TRUE(solver.factorize(exec, matrix));
         EXPECT_EQ(solver.num_blocks(), 50u + 49u) << centre;
         expect_solves(solver, a, rng);
     }
@@ -204,7 +208,7 @@ TEST(CoarseCholesky, LeavesDirectionsWithoutStiffnessAtZero) {
     const CoarseMatrix matrix = to_blocks(n, couplings, without(full, dead));
     CoarseCholesky solver;
     solver.analyze(matrix);
-    ASSERT_TRUE(solver.factorize(matrix));
+    ASSERT_TRUE(solver.factorize(exec, matrix));
 
     Dense alive = without(full, dead);
     Eigen::VectorXd b = random_rhs(n, rng);  // also at dead unknowns
@@ -232,7 +236,7 @@ TEST(CoarseCholesky, SolvesASingularBlockWhereItCanBeSolved) {
     const CoarseMatrix matrix = to_blocks(n, couplings, a);
     CoarseCholesky solver;
     solver.analyze(matrix);
-    ASSERT_TRUE(solver.factorize(matrix));
+    ASSERT_TRUE(solver.factorize(exec, matrix));
     const Eigen::VectorXd b = a * random_rhs(n, rng);
     const Eigen::VectorXd x = solved(solver, b);
     EXPECT_LT((a * x - b).norm(), 1e-8 * b.norm());
@@ -250,9 +254,9 @@ TEST(CoarseCholesky, SaysWhenAPivotIsNotANumber) {
         for (std::size_t p = 0; p < good.value.size(); ++p) {
             CoarseMatrix matrix = good;
             matrix.value[p].a[0] = bad;
-            EXPECT_FALSE(solver.factorize(matrix)) << bad << " in block " << p;
+            EXPECT_FALSE(solver.factorize(exec, matrix)) << bad << " in block " << p;
         }
-    ASSERT_TRUE(solver.factorize(good));  // nothing stays behind
+    ASSERT_TRUE(solver.factorize(exec, good));  // nothing stays behind
     expect_solves(solver, a, rng);
 }
 
@@ -261,7 +265,7 @@ TEST(CoarseCholesky, TakesAnEmptyMatrix) {
     matrix.row_begin = {0};
     CoarseCholesky solver;
     solver.analyze(matrix);
-    EXPECT_TRUE(solver.factorize(matrix));
+    EXPECT_TRUE(solver.factorize(exec, matrix));
     solver.solve({});
     EXPECT_EQ(solver.num_blocks(), 0u);
 }

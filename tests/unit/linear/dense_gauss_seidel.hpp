@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The preconditioner of GaussSeidelCg as a dense matrix.
+/// The preconditioner of SweepCg as a dense matrix.
 
 #include "linear/coloured_operator.hpp"
 #include "random_system.hpp"

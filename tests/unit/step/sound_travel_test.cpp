@@ -92,5 +92,26 @@ TEST(SoundTravel, IgnoresObstacles) {
     EXPECT_EQ(sound_travel_of({obstacle}, 0.01), 0.0);
 }
 
+TEST(DescribeLinearSolver, SaysWhatIsTakenAndWhy) {
+    Scene scene;
+    Body box = elastic_box("a", 0, 1, 1e4, 1000);
+    box.mesh.parameters = {{"size", {1, 0.5, 0.25}}, {"cells", {9, 9, 9}}};
+    scene.bodies = {box};
+    const Result<Model> model = build_model(scene);
+    ASSERT_TRUE(model);
+    const auto says = [&](LinearSolver asked, double dt, const char* words) {
+        const std::string said = describe_linear_solver(model.value(), asked, dt, false);
+        EXPECT_NE(said.find(words), std::string::npos) << said;
+    };
+    says(LinearSolver::Pcg, 0.01, "Gauss-Seidel, block Jacobi for solves of few");
+    says(LinearSolver::Pcg, 10.0, "Gauss-Seidel + rigid motions of about 32 vertices");
+    says(LinearSolver::IncompleteCholesky, 0.01, "IC(0) (");
+    says(LinearSolver::IncompleteCholesky,
+         10.0,
+         "IC(0) + rigid motions of about 16 vertices");
+    EXPECT_TRUE(may_take_block_jacobi(model.value(), 0.01));
+    EXPECT_FALSE(may_take_block_jacobi(model.value(), 10.0));
+}
+
 }  // namespace
 }  // namespace noli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "linear/gauss_seidel_cg.hpp"
+#include "linear/sweep_cg.hpp"
 
 #include "dense_gauss_seidel.hpp"
 #include "random_system.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 using namespace test;
 
-TEST(GaussSeidelCg, MatchesTextbookPcgIterateByIterate) {
+TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
     const RandomSystem s = random_system(301, 900, 120, 5);
     CpuExec exec;
     auto loaded = load(exec, s);
@@ -18,7 +18,7 @@ TEST(GaussSeidelCg, MatchesTextbookPcgIterateByIterate) {
     fixed[2] = fixed[299] = 1;
 
     OperatorCopy copy;
-    ColouredOperator op(GaussSeidelCg::kRowsPerBlock);
+    ColouredOperator op(ScaledOperator::kRowsPerBlock);
     op.update_pattern(
         exec, view_operator(exec, loaded.matrix, loaded.terms, copy), view_of(fixed));
     const Numbering& numbering = op.numbering();
@@ -36,7 +36,7 @@ TEST(GaussSeidelCg, MatchesTextbookPcgIterateByIterate) {
     Eigen::VectorXd p = z;
     double delta = r.dot(z);
     const double delta_start = delta;
-    GaussSeidelCg solver;
+    SweepCg solver;
     for (int iteration = 1; iteration <= 12; ++iteration) {
         const Eigen::VectorXd q = a * p;
         const double alpha = delta / p.dot(q);
@@ -110,7 +110,7 @@ class SinglePrecision : public testing::Test {
     std::vector<Vec3d> b = random_vector(301, 3);
     std::vector<std::uint8_t> fixed = std::vector<std::uint8_t>(301, 0);
     std::vector<double> largest;  ///< diagonal entry per vertex
-    GaussSeidelCg solver;
+    SweepCg solver;
 };
 
 TEST_F(SinglePrecision, HasTheSolutionToFiveDigits) {
@@ -144,14 +144,14 @@ TEST_F(SinglePrecision, DoesNotLookAtFixedVertices) {
     EXPECT_TRUE(same_bits(solve(inertia, 1e-8), in_single));
 }
 
-TEST(GaussSeidelCg, ForwardSweepHasTheBitsOfAScalarLoop) {
+TEST(SweepCg, ForwardSweepHasTheBitsOfAScalarLoop) {
     const RandomSystem s = random_system(203, 700, 60, 9);
     SerialExec exec;
     auto loaded = load(exec, s);
     const std::vector<std::uint8_t> fixed(203, 0);
     OperatorCopy copy;
     const OperatorView view = view_operator(exec, loaded.matrix, loaded.terms, copy);
-    ColouredOperator op(GaussSeidelCg::kRowsPerBlock);
+    ColouredOperator op(ScaledOperator::kRowsPerBlock);
     op.update_pattern(exec, view, view_of(fixed));
     op.update_values(exec, view);
 
