@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/assemble.hpp"
 
+#include "exec/lanes.hpp"
+#include "linear/wide.hpp"
+
 namespace noli {
 
 Numbering number_free_vertices(std::span<const std::uint8_t> fixed) {
@@ -106,6 +109,79 @@ int merged_row(const OperatorView& op,
     return static_cast<int>(end - out);
 }
 
+namespace {
+
+/// block += q[slot] q[s]ᵀ of all modes, in their order.
+inline __attribute__((always_inline)) void add_modes(
+    const Mode* begin, const Mode* end, int slot, int s, Mat3d& block) {
+    double* a = block.a;
+    Wide rows[3] = {
+        {a[0], a[1], a[2], 0.0}, {a[3], a[4], a[5], 0.0}, {a[6], a[7], a[8], 0.0}};
+    for (const Mode* m = begin; m != end; ++m) {
+        const Vec3d& u = m->q[slot];
+        const Vec3d& v = m->q[s];
+        const Wide w{v.x, v.y, v.z, 0.0};
+        rows[0] += u.x * w;
+        rows[1] += u.y * w;
+        rows[2] += u.z * w;
+    }
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+            a[3 * r + c] = rows[r][c];
+}
+
+/// Asks for all modes at a touched vertex: they lie scattered, and each is found through
+/// two other loads.
+inline __attribute__((always_inline)) void fetch_modes(const OperatorView& op,
+                                                       int touched) {
+    constexpr std::ptrdiff_t kLine = 64;
+    for (int e = op.touched_begin[touched]; e < op.touched_begin[touched + 1]; ++e) {
+        const int term = op.slots[e] / kSlotsPerTerm;
+        __builtin_prefetch(&op.vertices[term]);
+        const auto at = [&](int t) {
+            return reinterpret_cast<const char*>(op.modes.data + op.first_mode[t]);
+        };
+        for (const char* line = at(term); line < at(term + 1); line += kLine)
+            __builtin_prefetch(line);
+    }
+}
+
+inline __attribute__((always_inline)) void add_term_values(const OperatorView& op,
+                                                           View<const int> rank,
+                                                           int touched,
+                                                           std::span<const int> cols,
+                                                           Mat3d* out) {
+    fetch_modes(op, touched);
+    const int last = cols.empty() ? -1 : cols.back();
+    for (int e = op.touched_begin[touched]; e < op.touched_begin[touched + 1]; ++e) {
+        const int term = op.slots[e] / kSlotsPerTerm;
+        const int slot = op.slots[e] % kSlotsPerTerm;
+        for (int s = 0; s < kSlotsPerTerm; ++s) {
+            const int v = op.vertices[term][s];
+            if (v < 0 || rank[v] < 0 || rank[v] > last) continue;
+            const auto place = std::lower_bound(cols.begin(), cols.end(), rank[v]);
+            add_modes(op.modes.data + op.first_mode[term],
+                      op.modes.data + op.first_mode[term + 1],
+                      slot,
+                      s,
+                      out[place - cols.begin()]);
+        }
+    }
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"), flatten)) void add_term_values_avx2(
+    const OperatorView& op,
+    View<const int> rank,
+    int touched,
+    std::span<const int> cols,
+    Mat3d* out) {
+    add_term_values(op, rank, touched, cols, out);
+}
+#endif
+
+}  // namespace
+
 void merged_row_values(const OperatorView& op,
                        View<const int> touched_index,
                        View<const int> rank,
@@ -115,20 +191,13 @@ void merged_row_values(const OperatorView& op,
                        Mat3d* out) {
     for (std::size_t k = 0; k < cols.size(); ++k)
         out[k] = sources[k] >= 0 ? op.values[sources[k]] : zero3();
-    const int t = touched_index[vertex];
-    if (t < 0) return;
-    for (int e = op.touched_begin[t]; e < op.touched_begin[t + 1]; ++e) {
-        const int term = op.slots[e] / kSlotsPerTerm;
-        const int slot = op.slots[e] % kSlotsPerTerm;
-        for (int s = 0; s < kSlotsPerTerm; ++s) {
-            const int v = op.vertices[term][s];
-            if (v < 0 || rank[v] < 0 || rank[v] > rank[vertex]) continue;
-            Mat3d& block =
-                out[std::lower_bound(cols.begin(), cols.end(), rank[v]) - cols.begin()];
-            for (int m = op.first_mode[term]; m < op.first_mode[term + 1]; ++m)
-                block += outer(op.modes[m].q[slot], op.modes[m].q[s]);
-        }
-    }
+    const int touched = touched_index[vertex];
+    if (touched < 0) return;
+#if defined(__x86_64__)
+    if (lane_dispatch() != LaneDispatch::Width2)
+        return add_term_values_avx2(op, rank, touched, cols, out);
+#endif
+    add_term_values(op, rank, touched, cols, out);
 }
 
 }  // namespace detail

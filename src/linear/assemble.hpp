@@ -109,7 +109,7 @@ int merged_row(const OperatorView& op,
                int vertex,
                RowEntry* out);
 
-/// Values of one merged row.
+/// Values of the blocks `cols` of one merged row: all of them, or the first ones.
 void merged_row_values(const OperatorView& op,
                        View<const int> touched_index,
                        View<const int> rank,

@@ -95,8 +95,10 @@ class Pcg {
                     const PcgOptions& options,
                     View<Vec3d> x) {
         if constexpr (!Exec::kIsDevice) {
-            if (!options.contacts_by_warps
-                && options.preconditioner != PreconditionerKind::BlockJacobi)
+            const bool sweeps =
+                options.preconditioner == PreconditionerKind::GaussSeidel
+                || options.preconditioner == PreconditionerKind::IncompleteCholesky;
+            if (sweeps && !options.contacts_by_warps)
                 return sweeps_.solve(exec, matrix, terms, b, fixed, options, x);
         }
         if (Exec::kIsDevice || options.contacts_by_warps)

@@ -32,11 +32,22 @@ void ScaledOperator::choose_precision(double least_inertia) {
         double_blocks_.resize(rows_.num_off_diagonal());
 }
 
+void ScaledOperator::fetch_row(const OperatorView& op, int row) const {
+    if (row >= rows_.num_rows()) return;
+    const MergedBlocks& lower = rows_.lower();
+    const int end = lower.row_begin[at(row) + 1] - 1;
+    for (int p = lower.row_begin[at(row)]; p < end; ++p)
+        if (const int source = lower.source[at(p)]; source >= 0)
+            __builtin_prefetch(op.values.data + source);
+}
+
 void ScaledOperator::fill_row(const OperatorView& op, int row) {
     thread_local std::vector<Mat3d> blocks;
     const MergedBlocks& lower = rows_.lower();
     const int begin = lower.row_begin[at(row)];
-    const int count = lower.row_begin[at(row) + 1] - begin;
+    const int count = lower.row_begin[at(row) + 1] - begin - 1;  // no diagonal block
+    constexpr int kRowsAhead = 3;
+    fetch_row(op, row + kRowsAhead);
     if (blocks.size() < at(count)) blocks.resize(at(count));
     detail::merged_row_values(op,
                               rows_.touched(),

@@ -100,6 +100,9 @@ class ScaledOperator {
                                        View<const Mat3d> diagonal,
                                        View<const double> inertia) const;
     void choose_precision(double least_inertia);
+    /// Asks for the blocks of a row that fill_row needs soon: rows follow each other by
+    /// colour, so their blocks are far from each other.
+    void fetch_row(const OperatorView& op, int row) const;
     void fill_row(const OperatorView& op, int row);
     template <class Number>
     void scale_row_blocks(Triangles<Number>& to, int row, const Mat3d* blocks);

@@ -19,7 +19,6 @@
 #include "step/collision.hpp"
 #include "step/direction.hpp"
 #include "step/line_search.hpp"
-#include "step/preconditioner_choice.hpp"
 #include "step/sound_travel.hpp"
 #include "step/stiffness.hpp"
 #include "step/trouble.hpp"
@@ -54,8 +53,6 @@ class Newton {
         by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
         use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
                    && settings.solver.linear != LinearSolver::BlockJacobi;
-        may_take_jacobi_ = may_take_block_jacobi(model, settings.dt)
-                        && settings.solver.pcg_tolerance <= 0.0;
         for (std::size_t t = 0; t < model.tets.size(); ++t)
             stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
@@ -70,7 +67,6 @@ class Newton {
         fixed_ = fixed;
         yielded_ = false;
         direction_.begin_step();
-        choice_.begin_step();
         objective_.begin_step(exec_, scales, x, x_tilde, fixed);
         law_.hessian = hessian_of(settings_.contact.hessian);
         {
@@ -266,7 +262,6 @@ class Newton {
         ++report.newton;
         report.pcg += solved.iterations;
         record.pcg = solved.iterations;
-        choice_.after_solve(solved.iterations);
         return solved;
     }
 
@@ -302,8 +297,7 @@ class Newton {
             case LinearSolver::IncompleteCholesky:
                 return PreconditionerKind::IncompleteCholesky;
             default:
-                return may_take_jacobi_ ? choice_.kind()
-                                        : PreconditionerKind::GaussSeidel;
+                return PreconditionerKind::GaussSeidel;
         }
     }
 
@@ -425,8 +419,6 @@ class Newton {
     double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
     bool use_coarse_ = false;     ///< rigid modes in the linear solver
     bool by_warps_ = false;       ///< contacts multiplied as in the supplement
-    bool may_take_jacobi_ = false;
-    PreconditionerChoice choice_;
     bool yielded_ = false;
     Buffer<std::uint8_t> obstacle_;
     Buffer<Vec3d> p_, x_trial_;

@@ -56,10 +56,6 @@ bool wants_coarse_space(const Model& model, double dt, bool on_device) {
                > (on_device ? kDeviceCoarseSoundTravel : kCoarseSoundTravel);
 }
 
-bool may_take_block_jacobi(const Model& model, double dt) {
-    return model.num_vertices >= kCoarseVertices && !wants_coarse_space(model, dt);
-}
-
 int aggregate_size_for(int num_vertices, LinearSolver linear) {
     const int size = aggregate_size(num_vertices);
     return linear == LinearSolver::IncompleteCholesky ? size / 2 : size;
@@ -82,10 +78,8 @@ std::string describe_linear_solver(const Model& model,
             local,
             on_device ? kDeviceAggregate : aggregate_size_for(model.num_vertices, asked),
             reach);
-    const bool either = !on_device && !factor && may_take_block_jacobi(model, dt);
-    return fmt::format("conjugate gradients, {}{} ({}{})",
+    return fmt::format("conjugate gradients, {} ({}{})",
                        local,
-                       either ? ", block Jacobi for solves of few iterations" : "",
                        model.num_vertices < kCoarseVertices ? "small scene; " : "",
                        reach);
 }

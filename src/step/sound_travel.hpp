@@ -25,10 +25,6 @@ double sound_travel(const Model& model, double dt);
 /// Whether the linear solver uses rigid motions of aggregates as a coarse space.
 bool wants_coarse_space(const Model& model, double dt, bool on_device = false);
 
-/// Whether PreconditionerChoice decides on the CPU: where block Jacobi might do, and the
-/// scene is not so small that nothing matters.
-bool may_take_block_jacobi(const Model& model, double dt);
-
 /// Vertices per aggregate of the coarse space on the CPU. IC(0) pays for more of them.
 int aggregate_size_for(int num_vertices, LinearSolver linear);
 
