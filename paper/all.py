@@ -26,6 +26,7 @@ def main():
     parser.add_argument("--full", action="store_true")
     parser.add_argument("--only", nargs="*", help="names of scripts")
     arguments = parser.parse_args()
+    arguments.build, arguments.out = arguments.build.resolve(), arguments.out.resolve()
     arguments.out.mkdir(parents=True, exist_ok=True)
 
     jobs = {name: ["--formulas", arguments.build / "paper/noli_paper_formulas"] for name in FORMULAS}
