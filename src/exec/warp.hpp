@@ -49,7 +49,8 @@ struct SimulatedWarp {
     }
     /// Lane l gets the value of lane l + delta, its own where there is no such lane, and
     /// NaN from a lane that has returned (undefined on a GPU).
-    NOLI_HD Register<double> shuffle_down(const Register<double>& r, int delta) const {
+    [[nodiscard]] NOLI_HD Register<double> shuffle_down(const Register<double>& r,
+                                                        int delta) const {
         Register<double> out{};
         for (int lane = 0; lane < kWarpLanes; ++lane) {
             const int from = lane + delta < kWarpLanes ? lane + delta : lane;

@@ -246,7 +246,8 @@ struct DenseBlocks {
 
 /// Bytes stored per pair on S points: dense block and vertices.
 template <int S>
-inline constexpr std::size_t kDenseBytes = 9 * S* S * sizeof(double) + S * sizeof(int);
+inline constexpr std::size_t kDenseBytes = std::size_t{9} * S* S * sizeof(double)
+                                         + S * sizeof(int);
 
 /// Bytes that LowRankTerms stores per pair with `rank` modes: modes, vertices, first
 /// mode.
@@ -282,8 +283,9 @@ void block_forces(Exec& exec,
         for (int s = 0; s < S; ++s)
             for (int k = 0; k < 3; ++k)
                 local[3 * s + k] = c[blocks.vertices[S * b + s]][k];
-        const double* h = blocks.values.data + 9 * S * S * b;
-        for (int s = 0; s < S; ++s, h += 9 * S) {
+        constexpr std::ptrdiff_t kRows = std::ptrdiff_t{9} * S;  // of one slot
+        const double* h = blocks.values.data + kRows * S * b;
+        for (int s = 0; s < S; ++s, h += kRows) {
             Vec3d sum{0.0, 0.0, 0.0};
             for (int j = 0; j < 3 * S; ++j) {
                 sum.x += h[j] * local[j];
