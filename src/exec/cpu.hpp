@@ -8,6 +8,7 @@
 #include "exec/buffer.hpp"
 #include "exec/lanes.hpp"
 #include "exec/later.hpp"
+#include "exec/radix_sort.hpp"
 #include "exec/team.hpp"
 #include "exec/warp.hpp"
 
@@ -193,33 +194,7 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
     /// Sorts keys and carries values along; equal keys keep their order.
     template <class Key>
     void sort_by_key(const char* /*name*/, View<Key> keys, View<int> values) {
-        const std::size_t n = static_cast<std::size_t>(keys.size);
-        std::vector<Key> other_keys(n);
-        std::vector<int> other_values(n);
-        Key* k0 = keys.data;
-        Key* k1 = other_keys.data();
-        int* v0 = values.data;
-        int* v1 = other_values.data();
-        for (unsigned shift = 0; shift < 8 * sizeof(Key); shift += 8) {
-            std::size_t start[257] = {};
-            for (std::size_t i = 0; i < n; ++i)
-                ++start[((k0[i] >> shift) & 255) + 1];
-            if (std::find(start, start + 257, n) != start + 257)
-                continue;  // one digit only
-            for (int d = 0; d < 256; ++d)
-                start[d + 1] += start[d];
-            for (std::size_t i = 0; i < n; ++i) {
-                const std::size_t at = start[(k0[i] >> shift) & 255]++;
-                k1[at] = k0[i];
-                v1[at] = v0[i];
-            }
-            std::swap(k0, k1);
-            std::swap(v0, v1);
-        }
-        if (k0 != keys.data) {
-            std::copy(k0, k0 + n, keys.data);
-            std::copy(v0, v0 + n, values.data);
-        }
+        sort_.sort(keys, values);
     }
 
     template <class T>
@@ -254,7 +229,7 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
     template <class F, class Combine>
     double reduce(int n, double start, F f, Combine combine) {
         constexpr int kChunk =
-            512;  // fixed: the split must not depend on the thread count
+            128;  // fixed: the split must not depend on the thread count
         const int chunks = (n + kChunk - 1) / kChunk;
         const auto reduce_chunk = [&](int c) {
             double acc = start;
@@ -266,7 +241,7 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
         if (chunks <= 1) return reduce_chunk(0);
         partial_.resize(static_cast<std::size_t>(chunks));
         double* partial = partial_.data();
-        Order::run(chunks, 2, [&](int c) { partial[c] = reduce_chunk(c); });
+        Order::run(chunks, 1, [&](int c) { partial[c] = reduce_chunk(c); });
         double acc = start;
         for (int c = 0; c < chunks; ++c)
             acc = combine(acc, partial[c]);
@@ -274,6 +249,7 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
     }
 
     std::vector<double> partial_;
+    detail::RadixSort<Order> sort_;
     std::unique_ptr<Team> team_;
 };
 

@@ -34,14 +34,15 @@ struct alignas(64) Claim {
 }  // namespace
 
 struct Team::State {
-    // Written by the leader before a loop opens, read by whoever holds a share of it.
+    // Written by the leader before a loop opens, read by whoever holds a share of it: on
+    // the cache line of the loop's number, which helpers wait for.
+    alignas(64) std::atomic<std::uint64_t> loop{0};  ///< number of the open loop
     const void* f = nullptr;
     Call call = nullptr;
     int n = 0;
     int shares = 1;
 
-    alignas(64) std::atomic<std::uint64_t> loop{0};  ///< number of the open loop
-    alignas(64) std::atomic<int> done{0};            ///< shares of it
+    alignas(64) std::atomic<int> done{0};   ///< shares of it
     alignas(64) std::atomic<int> awake{0};  ///< 1 in a scope, 0 at rest, -1 at the end
     std::vector<Claim> claims;              ///< per thread; 0 is the leader
     std::vector<std::thread> helpers;
@@ -106,7 +107,7 @@ Team* Team::current() {
 
 void Team::run_shares(int n, int grain, const void* f, Call call) {
     State& s = *state_;
-    const int shares = std::min(threads(), n / std::max(1, grain));
+    const int shares = alone_ ? 1 : std::min(threads(), n / std::max(1, grain));
     if (shares <= 1) {
         if (n > 0) call(f, 0, n);
         return;

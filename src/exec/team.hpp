@@ -38,6 +38,9 @@ class Team {
 
     [[nodiscard]] int threads() const;
 
+    /// From now on loops are shared among all threads, or run by the leader alone.
+    void share(bool shared) { alone_ = !shared; }
+
     /// The team of the innermost scope on this thread, or null.
     static Team* current();
 
@@ -51,6 +54,7 @@ class Team {
 
     struct State;
     std::unique_ptr<State> state_;
+    bool alone_ = false;
 };
 
 /// While it lives, the team's helpers are awake and CPU loops of this thread run on them.

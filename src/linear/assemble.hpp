@@ -54,11 +54,13 @@ struct MergedBlocks {
         source;  ///< index of the block in the block matrix, -1 where only terms are
     std::vector<Mat3d> value;  ///< full 3x3 blocks, the diagonal ones too
 
-    // Work space of merge_pattern.
-    std::vector<int> room;
-    std::vector<detail::RowEntry> entries;
-
     [[nodiscard]] int num_rows() const { return static_cast<int>(row_begin.size()) - 1; }
+};
+
+/// Buffers of merge_pattern, kept between calls.
+struct MergeWork {
+    std::vector<int> room;  ///< num_rows + 1: first entry of each row
+    std::vector<detail::RowEntry> entries;
 };
 
 /// Both parts of the operator in host memory.
@@ -165,33 +167,34 @@ void merge_pattern(const Loop& loop,
                    const OperatorView& op,
                    View<const int> touched_index,
                    const Numbering& numbering,
+                   MergeWork& work,
                    MergedBlocks& out) {
     const int n = static_cast<int>(numbering.vertex.size());
     const int* vertex = numbering.vertex.data();
     const View<const int> rank = detail::const_view(numbering.rank);
     const auto size = static_cast<std::size_t>(n) + 1;
     std::vector<int>& begin = out.row_begin;
-    std::vector<int>& room = out.room;
+    std::vector<int>& room = work.room;
     room.assign(size, 0);
     loop(n, [&](int i) {
         room[static_cast<std::size_t>(i) + 1] =
             detail::merged_row_bound(op, touched_index, rank, vertex[i]);
     });
     std::partial_sum(room.begin(), room.end(), room.begin());
-    if (out.entries.size() < static_cast<std::size_t>(room.back()))
-        out.entries.resize(static_cast<std::size_t>(room.back()));
+    if (work.entries.size() < static_cast<std::size_t>(room.back()))
+        work.entries.resize(static_cast<std::size_t>(room.back()));
     begin.assign(size, 0);
     loop(n, [&](int i) {
         const auto row = static_cast<std::size_t>(i);
         begin[row + 1] = detail::merged_row(
-            op, touched_index, rank, vertex[i], out.entries.data() + room[row]);
+            op, touched_index, rank, vertex[i], work.entries.data() + room[row]);
     });
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     out.col.resize(static_cast<std::size_t>(begin.back()));
     out.source.resize(out.col.size());
     loop(n, [&](int i) {
         const auto row = static_cast<std::size_t>(i);
-        const detail::RowEntry* from = out.entries.data() + room[row];
+        const detail::RowEntry* from = work.entries.data() + room[row];
         const auto end = static_cast<std::size_t>(begin[row + 1]);
         for (auto k = static_cast<std::size_t>(begin[row]); k < end; ++k, ++from) {
             out.col[k] = from->col();
@@ -237,8 +240,9 @@ SparseMatrix assemble_sparse(Exec& exec,
         for (int i = 0; i < n; ++i)
             f(i);
     };
+    MergeWork work;
     MergedBlocks merged;
-    merge_pattern(loop, op, detail::const_view(touched), numbering, merged);
+    merge_pattern(loop, op, detail::const_view(touched), numbering, work, merged);
     merge_values(loop, op, detail::const_view(touched), numbering, merged);
     return to_sparse(merged);
 }

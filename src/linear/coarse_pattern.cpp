@@ -61,15 +61,20 @@ void find_couplings(int num_rows,
 
 void CoarsePattern::update(const ColouredOperator& op,
                            std::span<const int> of_vertex,
-                           int count) {
+                           int count,
+                           bool with_lower) {
     find_rows(op, of_vertex, count);
     find_couplings(
         op.num_rows(),
-        [&](int i) { return op.upper_begin[at(i)]; },
-        [&](int i) { return op.upper_begin[at(i) + 1]; },
+        [&](int i) { return op.first_upper(i); },
+        [&](int i) { return op.end_upper(i); },
         op.upper_col,
         aggregate,
         upper);
+    find_couplings_of_each(count, upper);
+    find_couplings_of_aggregates();
+    lower = {};
+    if (!with_lower) return;
     find_couplings(
         op.num_rows(),
         [&](int i) { return op.lower().row_begin[at(i)]; },
@@ -77,9 +82,7 @@ void CoarsePattern::update(const ColouredOperator& op,
         op.lower().col,
         aggregate,
         lower);
-    find_couplings_of_each(count, upper);
     find_couplings_of_each(count, lower);
-    find_couplings_of_aggregates();
 }
 
 void CoarsePattern::find_rows(const ColouredOperator& op,

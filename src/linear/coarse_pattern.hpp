@@ -26,7 +26,11 @@ struct RowCouplings {
 class CoarsePattern {
   public:
     /// In:   of_vertex  per vertex: its aggregate, or -1
-    void update(const ColouredOperator& op, std::span<const int> of_vertex, int count);
+    ///       with_lower  whether `lower` is wanted; empty otherwise
+    void update(const ColouredOperator& op,
+                std::span<const int> of_vertex,
+                int count,
+                bool with_lower);
 
     std::vector<int> aggregate;         ///< per row, or -1
     std::vector<int> rows_begin, rows;  ///< rows of each aggregate

@@ -14,16 +14,12 @@ constexpr int kModes = CoarseSpace::kModes;
 constexpr int kBlock = CoarseSpace::kBlock;
 
 using detail::load_wide;
+using detail::three_lanes;
 using detail::wide;
 using Double4 = detail::Wide;
 
 std::size_t at(int i) {
     return static_cast<std::size_t>(i);
-}
-
-/// Zero in the fourth lane, where a load of three numbers has the next column's first.
-inline __attribute__((always_inline)) Double4 three(const Double4& v) {
-    return Double4{v[0], v[1], v[2], 0.0};
 }
 
 /// Sums of blockᵀ v over blocks, one vector of lanes per mode.
@@ -42,7 +38,7 @@ struct ModeSums {
     }
 };
 
-/// block c
+/// block c; lane 3 is what follows the block.
 template <class Number>
 inline __attribute__((always_inline)) Double4 moved(const Number* block,
                                                     const double* c) {
@@ -129,8 +125,9 @@ void CoarseSpace::set_aggregates(RigidAggregates aggregates) {
     aggregates_ = std::move(aggregates);
 }
 
-void CoarseSpace::update_pattern(const ColouredOperator& op) {
-    pattern_.update(op, aggregates_.of_vertex, num_aggregates());
+void CoarseSpace::update_pattern(const ColouredOperator& op, bool for_residuals) {
+    pattern_.update(op, aggregates_.of_vertex, num_aggregates(), for_residuals);
+    for_residuals_ = for_residuals;
     pattern_.find_matrix(matrix_);
     cholesky_.analyze(matrix_);
     modes_.assign(at(kBlock * op.num_rows()), 0.0f);
@@ -186,10 +183,9 @@ void CoarseSpace::fill_row(const ColouredOperator& op,
                            int row) {
     const std::vector<int>& lower_begin = op.lower().row_begin;
     const int first = lower_begin[at(row)];
-    const int next = op.upper_begin[at(row)];
-    const RowBlocks<Number> after{op.upper_col.data() + next,
-                                  op.upper_begin[at(row) + 1] - next,
-                                  upper + 9 * at(next)};
+    const int next = op.first_upper(row);
+    const RowBlocks<Number> after{
+        op.upper_col.data() + next, op.end_upper(row) - next, upper + 9 * at(next)};
     const auto fill = [&](const RowBlocks<Number>& blocks,
                           const RowCouplings& couplings,
                           const auto& take) {
@@ -278,6 +274,20 @@ inline __attribute__((always_inline)) void add_couplings(const RowCouplings& cou
         sums.add(blocks + at(kBlock) * at(k), value(4 * at(couplings.of_row[at(k)])));
 }
 
+/// Adds what the motions of an aggregate make of the values at its rows.
+template <class Value>
+inline __attribute__((always_inline)) void add_own_rows(const CoarsePattern& pattern,
+                                                        const float* modes,
+                                                        int aggregate,
+                                                        const Value& value,
+                                                        ModeSums& sums) {
+    const int end = pattern.rows_begin[at(aggregate) + 1];
+    for (int k = pattern.rows_begin[at(aggregate)]; k < end; ++k) {
+        const std::size_t row = at(pattern.rows[at(k)]);
+        sums.add(modes + at(kBlock) * row, value(4 * row));
+    }
+}
+
 }  // namespace
 
 void CoarseSpace::restrict_split(int aggregate, const double* r, const double* y) {
@@ -296,12 +306,12 @@ void CoarseSpace::restrict_split(int aggregate, const double* r, const double* y
 void CoarseSpace::restrict_start(int aggregate, const double* b) {
     detail::with_avx2([&] {
         ModeSums sums;
-        for (int k = pattern_.rows_begin[at(aggregate)];
-             k < pattern_.rows_begin[at(aggregate) + 1];
-             ++k) {
-            const std::size_t row = at(pattern_.rows[at(k)]);
-            sums.add(modes_.data() + at(kBlock) * row, wide(b + 4 * row));
-        }
+        add_own_rows(
+            pattern_,
+            modes_.data(),
+            aggregate,
+            [=](std::size_t row) { return wide(b + row); },
+            sums);
         sums.store(&g_[at(kModes * aggregate)]);
     });
 }
@@ -309,13 +319,12 @@ void CoarseSpace::restrict_start(int aggregate, const double* b) {
 void CoarseSpace::restrict_residual(int aggregate, const double* r, const double* y) {
     detail::with_avx2([&] {
         ModeSums sums;
-        for (int k = pattern_.rows_begin[at(aggregate)];
-             k < pattern_.rows_begin[at(aggregate) + 1];
-             ++k) {
-            const std::size_t row = at(pattern_.rows[at(k)]);
-            sums.add(modes_.data() + at(kBlock) * row,
-                     wide(r + 4 * row) - wide(y + 4 * row));
-        }
+        add_own_rows(
+            pattern_,
+            modes_.data(),
+            aggregate,
+            [=](std::size_t row) { return wide(r + row) - wide(y + row); },
+            sums);
         const auto moved_back = [=](std::size_t row) { return -wide(y + row); };
         add_couplings(pattern_.upper, pull_of_.data(), aggregate, moved_back, sums);
         add_couplings(pattern_.lower, push_of_.data(), aggregate, moved_back, sums);
@@ -334,13 +343,15 @@ double CoarseSpace::solve_coarse() {
 
 void CoarseSpace::renew(
     const double* y, double beta, int begin, int end, double* t) const {
-    detail::with_avx2([&] {
+    const float* modes = modes_.data();
+    const int* aggregate = pattern_.aggregate.data();
+    const double* c = c_.data();
+    detail::with_avx2([=] {
         for (int i = begin; i < end; ++i) {
             const std::size_t row = 4 * at(i);
             Double4 out = wide(y + row) + beta * wide(t + row);
-            if (const int own = pattern_.aggregate[at(i)]; own >= 0)
-                out += three(
-                    moved(modes_.data() + at(kBlock) * at(i), c_.data() + kModes * own));
+            if (const int own = aggregate[i]; own >= 0)
+                out += three_lanes(moved(modes + at(kBlock) * at(i), c + kModes * own));
             wide(t + row) = out;
         }
     });
@@ -354,16 +365,18 @@ void CoarseSpace::renew_split(const double* r,
                               double* t,
                               double* s) const {
     renew(y, beta, begin, end, t);
-    detail::with_avx2([&] {
+    const int* first = pattern_.upper.begin.data();
+    const int* aggregate = pattern_.upper.aggregate.data();
+    const double* pull = pull_.data();
+    const double* c = c_.data();
+    detail::with_avx2([=] {
         for (int i = begin; i < end; ++i) {
             const std::size_t row = 4 * at(i);
             Double4 pulled{};
-            for (int e = pattern_.upper.begin[at(i)]; e < pattern_.upper.begin[at(i) + 1];
-                 ++e)
-                pulled += moved(pull_.data() + at(kBlock) * at(e),
-                                c_.data() + kModes * pattern_.upper.aggregate[at(e)]);
-            wide(s + row) =
-                wide(r + row) - wide(y + row) + three(pulled) + beta * wide(s + row);
+            for (int e = first[i]; e < first[i + 1]; ++e)
+                pulled += moved(pull + at(kBlock) * at(e), c + kModes * aggregate[e]);
+            wide(s + row) = wide(r + row) - wide(y + row) + three_lanes(pulled)
+                          + beta * wide(s + row);
         }
     });
 }

@@ -51,8 +51,10 @@ class CoarseSpace {
     /// The next update_pattern depends on nothing but its operator.
     void forget_order() { cholesky_.forget_order(); }
 
-    /// Sparsity; call when the operator's pattern changed.
-    void update_pattern(const ColouredOperator& op);
+    /// Sparsity; call when the operator's pattern changed. solve_residual needs
+    /// `for_residuals`.
+    void update_pattern(const ColouredOperator& op, bool for_residuals);
+    [[nodiscard]] bool for_residuals() const { return for_residuals_; }
 
     /// Z', H, V and the factored E. `lower` and `upper` are the blocks of L' and L'ᵀ,
     /// `scale` the inverse factors per row, `x` the positions of all vertices. Without
@@ -137,6 +139,7 @@ class CoarseSpace {
 
     RigidAggregates aggregates_;
     CoarsePattern pattern_;
+    bool for_residuals_ = false;           ///< whether it has the lower couplings
     std::vector<float> modes_;             ///< Z', a block per row
     std::vector<double> pull_;             ///< H, a block per upper coupling
     std::vector<float> pull_of_;           ///< H by aggregates, in the order of upper.of

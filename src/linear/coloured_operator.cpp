@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace noli {
 
@@ -20,29 +21,55 @@ bool same(const std::vector<T>& a, View<const T> b) {
 }
 
 /// Per block: the blocks before it that terms couple it to, in any order.
-std::vector<std::vector<int>> neighbours_by_terms(const OperatorView& op,
-                                                  const RowBlocksOfMatrix& blocks) {
-    std::vector<std::vector<int>> out(at(blocks.num_blocks()));
-    for (const Int4& term : op.vertices)
-        for (const int v : term.v)
-            for (const int w : term.v) {
-                if (v < 0 || w < 0) continue;
-                const int a = blocks.block_of(v);
-                const int b = blocks.block_of(w);
-                if (b >= 0 && b < a) out[at(a)].push_back(b);
-            }
+struct TermNeighbours {
+    std::vector<int> begin;  ///< num_blocks + 1
+    std::vector<int> block;
+
+    [[nodiscard]] std::span<const int> of(int b) const {
+        return {block.data() + begin[at(b)], block.data() + begin[at(b) + 1]};
+    }
+};
+
+/// Calls visit(later, earlier) for the pairs of different blocks that terms couple.
+template <class Visit>
+void visit_term_couplings(const OperatorView& op,
+                          const RowBlocksOfMatrix& blocks,
+                          const Visit& visit) {
+    for (const Int4& term : op.vertices) {
+        int of[4];
+        for (int s = 0; s < 4; ++s)
+            of[s] = term[s] < 0 ? -1 : blocks.block_of(term[s]);
+        for (int s = 1; s < 4; ++s)
+            for (int k = 0; k < s; ++k)
+                if (of[s] >= 0 && of[k] >= 0 && of[s] != of[k])
+                    visit(std::max(of[s], of[k]), std::min(of[s], of[k]));
+    }
+}
+
+TermNeighbours neighbours_by_terms(const OperatorView& op,
+                                   const RowBlocksOfMatrix& blocks) {
+    TermNeighbours out;
+    out.begin.assign(at(blocks.num_blocks()) + 1, 0);
+    visit_term_couplings(
+        op, blocks, [&out](int later, int) { ++out.begin[at(later) + 1]; });
+    std::partial_sum(out.begin.begin(), out.begin.end(), out.begin.begin());
+    out.block.resize(at(out.begin.back()));
+    std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
+    visit_term_couplings(op, blocks, [&](int later, int earlier) {
+        out.block[at(next[at(later)]++)] = earlier;
+    });
     return out;
 }
 
 /// First colour of each block that no coupled block before it has.
 std::vector<int> colour_blocks(const OperatorView& op, const RowBlocksOfMatrix& blocks) {
-    const std::vector<std::vector<int>> by_terms = neighbours_by_terms(op, blocks);
+    const TermNeighbours by_terms = neighbours_by_terms(op, blocks);
     std::vector<int> colour(at(blocks.num_blocks()), -1);
     std::vector<int> taken;  // taken[c] == b: a neighbour of block b has colour c
     for (int b = 0; b < blocks.num_blocks(); ++b) {
         for (int k = blocks.begin[at(b)]; k < blocks.begin[at(b) + 1]; ++k)
             taken[at(colour[at(blocks.neighbour[at(k)])])] = b;
-        for (const int other : by_terms[at(b)])
+        for (const int other : by_terms.of(b))
             taken[at(colour[at(other)])] = b;
         const auto first =
             std::find_if(taken.begin(), taken.end(), [b](int t) { return t != b; });
@@ -52,8 +79,15 @@ std::vector<int> colour_blocks(const OperatorView& op, const RowBlocksOfMatrix& 
     return colour;
 }
 
+/// Number of groups that so many blocks of a colour make: even, so that two threads get
+/// the same share of them.
+std::size_t count_groups(std::size_t num_blocks) {
+    const std::size_t groups = (num_blocks + kBlocksPerGroup - 1) / kBlocksPerGroup;
+    return num_blocks > 1 ? groups + groups % 2 : groups;
+}
+
 /// Numbers the rows of some blocks of one colour, interleaved.
-void append_group(const std::vector<int>& blocks,
+void append_group(std::span<const int> blocks,
                   const Numbering& free,
                   int rows_per_block,
                   ColouredRows& out) {
@@ -114,14 +148,15 @@ ColouredRows colour_rows(const OperatorView& op, const RowBlocksOfMatrix& blocks
     out.group_begin.push_back(0);
     for (const std::vector<int>& of_colour : blocks_of) {
         out.colour_begin.push_back(static_cast<int>(out.group_begin.size()) - 1);
-        for (std::size_t first = 0; first < of_colour.size(); first += kBlocksPerGroup) {
-            const std::size_t last = std::min(of_colour.size(), first + kBlocksPerGroup);
-            append_group({of_colour.begin() + static_cast<std::ptrdiff_t>(first),
-                          of_colour.begin() + static_cast<std::ptrdiff_t>(last)},
-                         free,
-                         rows_per_block,
-                         out);
-        }
+        const std::size_t groups = count_groups(of_colour.size());
+        for (std::size_t g = 0; g < groups; ++g)
+            append_group(
+                std::span(of_colour).subspan(
+                    of_colour.size() * g / groups,
+                    of_colour.size() * (g + 1) / groups - of_colour.size() * g / groups),
+                free,
+                rows_per_block,
+                out);
     }
     out.colour_begin.push_back(static_cast<int>(out.group_begin.size()) - 1);
     return out;
@@ -144,19 +179,37 @@ bool ColouredOperator::terms_changed(const OperatorView& op) {
     return true;
 }
 
-void ColouredOperator::transpose() {
-    const std::size_t num_off = lower_.col.size() - at(num_rows());
-    upper_begin.assign(at(num_rows()) + 1, 0);
-    upper_col.resize(num_off);
-    upper_place.resize(num_off);
-    for (int i = 0; i < num_rows(); ++i)
+void ColouredOperator::count_columns(int part) {
+    for (int r = 0; r < num_rows(); ++r)
+        place_of(part, r) = 0;
+    const int last = num_rows() - 1;
+    for (int i = first_row(part); i < first_row(part + 1); ++i)
         for (int p = lower_.row_begin[at(i)]; p < lower_.row_begin[at(i) + 1] - 1; ++p)
-            ++upper_begin[at(lower_.col[at(p)]) + 1];
-    std::partial_sum(upper_begin.begin(), upper_begin.end(), upper_begin.begin());
-    std::vector<int> next(upper_begin.begin(), upper_begin.end() - 1);
-    for (int i = 0; i < num_rows(); ++i)
+            ++place_of(part, last - lower_.col[at(p)]);
+}
+
+void ColouredOperator::sum_counts(int part) {
+    for (int r = first_row(part); r < first_row(part + 1); ++r) {
+        int sum = 0;
+        for (int k = 0; k < kParts; ++k)
+            sum += place_of(k, r);
+        upper_begin[at(r) + 1] = sum;
+    }
+}
+
+void ColouredOperator::find_places(int part) {
+    for (int r = first_row(part); r < first_row(part + 1); ++r) {
+        int place = upper_begin[at(r)];
+        for (int k = 0; k < kParts; ++k)
+            place += std::exchange(place_of(k, r), place);
+    }
+}
+
+void ColouredOperator::fill_upper(int part) {
+    const int last = num_rows() - 1;
+    for (int i = first_row(part); i < first_row(part + 1); ++i)
         for (int p = lower_.row_begin[at(i)]; p < lower_.row_begin[at(i) + 1] - 1; ++p) {
-            const int to = next[at(lower_.col[at(p)])]++;
+            const int to = place_of(part, last - lower_.col[at(p)])++;
             upper_col[at(to)] = i;
             upper_place[at(p - i)] = to;
         }

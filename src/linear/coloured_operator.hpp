@@ -80,9 +80,13 @@ class ColouredOperator {
         if (!terms_changed(op) && !new_matrix) return false;
         touched_ = detail::touched_of_vertex(op);
         rows_ = colour_rows(op, blocks_);
-        merge_pattern(
-            loop_on(exec), op, detail::const_view(touched_), rows_.numbering, lower_);
-        transpose();
+        merge_pattern(loop_on(exec),
+                      op,
+                      detail::const_view(touched_),
+                      rows_.numbering,
+                      merging_,
+                      lower_);
+        transpose(exec);
         return true;
     }
 
@@ -136,9 +140,16 @@ class ColouredOperator {
     [[nodiscard]] const MergedBlocks& lower() const { return lower_; }
     [[nodiscard]] View<const int> touched() const { return detail::const_view(touched_); }
 
+    [[nodiscard]] int first_upper(int row) const {
+        return upper_begin[static_cast<std::size_t>(num_rows() - 1 - row)];
+    }
+    [[nodiscard]] int end_upper(int row) const { return first_upper(row - 1); }
+
+    /// Upper triangle by rows, no diagonal, the last row first: a backward sweep reads
+    /// its blocks in the order of memory.
     std::vector<int>
-        upper_begin;  ///< num_rows + 1: rows of the upper triangle, no diagonal
-    std::vector<int> upper_col;    ///< ascending in each row
+        upper_begin;             ///< num_rows + 1, of row num_rows - 1, num_rows - 2 ...
+    std::vector<int> upper_col;  ///< ascending in each row
     std::vector<int> upper_place;  ///< number of a lower entry -> place of its transpose
 
   private:
@@ -151,13 +162,46 @@ class ColouredOperator {
 
     bool matrix_changed(const OperatorView& op, View<const std::uint8_t> fixed);
     bool terms_changed(const OperatorView& op);
-    void transpose();
+
+    /// The upper triangle from the lower one, parts of it in parallel.
+    template <class Exec>
+    void transpose(Exec& exec) {
+        const auto for_parts = [&exec](const auto& f) {
+            exec.for_each("linear/transpose", kParts, f, 1);
+        };
+        upper_col.resize(lower_.col.size() - static_cast<std::size_t>(num_rows()));
+        upper_place.resize(upper_col.size());
+        upper_begin.resize(static_cast<std::size_t>(num_rows()) + 1);
+        place_.resize(kParts * static_cast<std::size_t>(num_rows()));
+        for_parts([this](int part) { count_columns(part); });
+        upper_begin[0] = 0;
+        for_parts([this](int part) { sum_counts(part); });
+        std::partial_sum(upper_begin.begin(), upper_begin.end(), upper_begin.begin());
+        for_parts([this](int part) { find_places(part); });
+        for_parts([this](int part) { fill_upper(part); });
+    }
+    static constexpr int kParts = 8;
+    [[nodiscard]] int first_row(int part) const {
+        return static_cast<int>(static_cast<std::int64_t>(num_rows()) * part / kParts);
+    }
+    /// Place of the first entry that a part of the rows has in an upper row.
+    int& place_of(int part, int upper_row) {
+        const auto n = static_cast<std::size_t>(num_rows());
+        return place_[static_cast<std::size_t>(part) * n
+                      + static_cast<std::size_t>(upper_row)];
+    }
+    void count_columns(int part);
+    void sum_counts(int part);
+    void find_places(int part);
+    void fill_upper(int part);
 
     int rows_per_block_;
     std::vector<int> order_;
     RowBlocksOfMatrix blocks_;
     ColouredRows rows_;
     MergedBlocks lower_;
+    MergeWork merging_;
+    std::vector<int> place_;    ///< of transpose: per part and row
     std::vector<int> touched_;  ///< per vertex: its index among the touched ones, or -1
 
     // The pattern that all of this was built for.

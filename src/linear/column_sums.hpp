@@ -18,10 +18,7 @@ struct ColumnSums {
         c1 += load_wide(block + 3) * x[1];
         c2 += load_wide(block + 6) * x[2];
     }
-    [[nodiscard]] Wide total() const {
-        const Wide sum = c0 + c1 + c2;
-        return Wide{sum[0], sum[1], sum[2], 0.0};
-    }
+    [[nodiscard]] Wide total() const { return three_lanes(c0 + c1 + c2); }
 };
 
 }  // namespace noli::detail

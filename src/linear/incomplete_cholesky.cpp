@@ -190,13 +190,15 @@ inline __attribute__((always_inline)) void forward_rows(const MergedBlocks& rows
                                                         int end,
                                                         const double* r,
                                                         double* y) {
+    const int* row_begin = rows.row_begin.data();
+    const int* col = rows.col.data();
     for (int i = begin; i < end; ++i) {
         ColumnSums sums;
-        const int first = rows.row_begin[at(i)];
-        const int last = rows.row_begin[at(i) + 1] - 1;
+        const int first = row_begin[i];
+        const int last = row_begin[i + 1] - 1;
         const float* m = lower + 9 * at(first - i);
         for (int p = first; p < last; ++p, m += 9)
-            sums.add(m, y + 4 * at(rows.col[at(p)]));
+            sums.add(m, y + 4 * at(col[p]));
         wide(y + 4 * at(i)) = wide(r + 4 * at(i)) - sums.total();
     }
 }
@@ -210,10 +212,14 @@ inline __attribute__((always_inline)) double backward_rows(const ColouredOperato
                                                            const double* r,
                                                            double* y) {
     Double4 ry{};
+    const int* upper_begin = rows.upper_begin.data() + (rows.num_rows() - 1);
+    const int* col = rows.upper_col.data();
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
-        for (int p = rows.upper_begin[at(i)]; p < rows.upper_begin[at(i) + 1]; ++p)
-            sums.add(upper + 9 * at(p), y + 4 * at(rows.upper_col[at(p)]));
+        const int last = upper_begin[1 - i];
+        const float* m = upper + 9 * at(upper_begin[-i]);
+        for (int p = upper_begin[-i]; p < last; ++p, m += 9)
+            sums.add(m, y + 4 * at(col[p]));
         double* row = y + 4 * at(i);
         const Vec3d d = pivot_inverse[i] * Vec3d{row[0], row[1], row[2]};
         const Double4 out = Double4{d.x, d.y, d.z, 0.0} - sums.total();

@@ -41,6 +41,9 @@
 /// Source: [Eisenstat1981]; [Saad2003] 9.2.2; with a coarse space: [Tang2009] A-DEF2, the
 /// split form is ours.
 
+#include "core/timer.hpp"
+#include "exec/sharing.hpp"
+#include "exec/team.hpp"
 #include "linear/coarse_space.hpp"
 #include "linear/incomplete_cholesky.hpp"
 #include "linear/pcg_options.hpp"
@@ -76,7 +79,7 @@ class SweepCg {
         bool done = at.rr == 0.0;
         while (!done && result.iterations < options.max_iterations) {
             ++result.iterations;
-            if (!iterate(exec, at)) {
+            if (!iterate_timed(exec, at)) {
                 result.outcome = PcgResult::Outcome::Breakdown;
                 break;
             }
@@ -167,7 +170,8 @@ class SweepCg {
 
     template <class Exec>
     bool build_coarse(Exec& exec, View<const Vec3d> positions) {
-        if (!coarse_is_current_) coarse_.update_pattern(op_.rows());
+        if (!coarse_is_current_ || (use_factor_ && !coarse_.for_residuals()))
+            coarse_.update_pattern(op_.rows(), use_factor_);
         coarse_is_current_ = true;
         return op_.with_triangles([&](const auto& triangles) {
             return coarse_.update_values(exec,
@@ -204,6 +208,23 @@ class SweepCg {
         multiply(exec);
         op_.rows().for_rows(exec, [this](int i) { take_start(i); });
         return decrease;
+    }
+
+    /// An iteration on all threads or on one, whichever is faster at present.
+    template <class Exec>
+    bool iterate_timed(Exec& exec, Progress& at) {
+        Team* team = Team::current();
+        if (team == nullptr || team->threads() == 1) return iterate(exec, at);
+        double seconds = 0.0;
+        bool positive;
+        {
+            const PhaseTimer timer(seconds);
+            team->share(sharing_.shared());
+            positive = iterate(exec, at);
+            team->share(true);
+        }
+        sharing_.took(seconds);
+        return positive;
     }
 
     /// False if the operator is not positive definite.
@@ -373,6 +394,7 @@ class SweepCg {
     ScaledOperator op_;
     IncompleteCholesky factor_;
     CoarseSpace coarse_;
+    Sharing sharing_;
     bool use_factor_ = false;
     bool use_coarse_ = false;
     bool coarse_is_current_ = false;                 ///< its pattern is that of op_

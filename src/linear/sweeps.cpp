@@ -19,30 +19,25 @@ std::size_t at(int i) {
     return static_cast<std::size_t>(i);
 }
 
-/// Asks for blocks that a backward sweep needs soon. Rows run downwards and the blocks of
-/// a row upwards: the hardware does not foresee that.
+/// L'ᵀ v at row i.
 template <class Number>
-inline __attribute__((always_inline)) void fetch_ahead(
-    const detail::SweepArrays<Number>& s, int row) {
-    constexpr std::ptrdiff_t kAhead = 2048;  // bytes
-    constexpr std::ptrdiff_t kLine = 64;
-    const auto* blocks = reinterpret_cast<const char*>(s.upper);
-    const auto bytes = [&](int k) {
-        return static_cast<std::ptrdiff_t>(9 * sizeof(Number)) * s.upper_begin.data[k];
-    };
-    for (std::ptrdiff_t b = bytes(row) - kAhead; b < bytes(row + 1) - kAhead; b += kLine)
-        __builtin_prefetch(blocks + b);
+inline __attribute__((always_inline)) void add_upper(detail::SweepArrays<Number> s,
+                                                     const double* v,
+                                                     int i,
+                                                     ColumnSums& sums) {
+    const int* begin = s.upper_begin.data + (s.upper_begin.size - 2 - i);
+    const Number* block = s.upper + 9 * at(begin[0]);
+    for (int k = begin[0]; k < begin[1]; ++k, block += 9)
+        sums.add(block, v + 4 * at(s.upper_col.data[k]));
 }
 
 template <class Number>
 inline __attribute__((always_inline)) double backward_rows(
-    const detail::SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
+    detail::SweepArrays<Number> s, double alpha, double beta, int begin, int end) {
     Double4 rr{};
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
-        fetch_ahead(s, i);
-        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
-            sums.add(s.upper + 9 * at(k), s.t + 4 * at(s.upper_col.data[k]));
+        add_upper(s, s.t, i, sums);
         const std::size_t row = 4 * at(i);
         const Double4 t = wide(s.t + row);
         wide(s.x + row) += alpha * t;
@@ -57,14 +52,14 @@ inline __attribute__((always_inline)) double backward_rows(
 }
 
 template <class Number>
-inline __attribute__((always_inline)) double residual_rows(
-    const detail::SweepArrays<Number>& s, double alpha, int begin, int end) {
+inline __attribute__((always_inline)) double residual_rows(detail::SweepArrays<Number> s,
+                                                           double alpha,
+                                                           int begin,
+                                                           int end) {
     Double4 rr{};
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
-        fetch_ahead(s, i);
-        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
-            sums.add(s.upper + 9 * at(k), s.y + 4 * at(s.upper_col.data[k]));
+        add_upper(s, s.y, i, sums);
         const std::size_t row = 4 * at(i);
         const Double4 t = wide(s.t + row);
         wide(s.x + row) += alpha * t;
@@ -78,7 +73,7 @@ inline __attribute__((always_inline)) double residual_rows(
 
 /// L' v at row i.
 template <class Number>
-inline __attribute__((always_inline)) void add_lower(const detail::SweepArrays<Number>& s,
+inline __attribute__((always_inline)) void add_lower(detail::SweepArrays<Number> s,
                                                      const double* v,
                                                      int i,
                                                      ColumnSums& sums) {
@@ -90,8 +85,35 @@ inline __attribute__((always_inline)) void add_lower(const detail::SweepArrays<N
 }
 
 template <class Number>
-inline __attribute__((always_inline)) void split_rows(
-    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
+inline __attribute__((always_inline)) void product_rows(detail::SweepArrays<Number> s,
+                                                        int begin,
+                                                        int end,
+                                                        detail::SweepSums& out) {
+    Double4 pq{};
+    Double4 rp{};
+    for (int i = begin; i < end; ++i) {
+        ColumnSums sums;
+        add_lower(s, s.t, i, sums);
+        add_upper(s, s.t, i, sums);
+        const std::size_t row = 4 * at(i);
+        const Double4 t = wide(s.t + row);
+        const Double4 w = t + sums.total();
+        wide(s.w + row) = w;
+        pq += t * w;
+        rp += wide(s.r + row) * t;
+    }
+    out.pq = add_lanes(pq);
+    out.rp = add_lanes(rp);
+}
+
+/// w = (p - t) - L' w for rows in order, and the sums over q = t + w. parts(row, t) gives
+/// {p, p - t} at place `row` of the arrays.
+template <class Number, class Parts>
+inline __attribute__((always_inline)) void forward_rows(detail::SweepArrays<Number> s,
+                                                        int begin,
+                                                        int end,
+                                                        const Parts& parts,
+                                                        detail::SweepSums& out) {
     Double4 pq{};
     Double4 rp{};
     Double4 rq{};
@@ -100,11 +122,10 @@ inline __attribute__((always_inline)) void split_rows(
         ColumnSums sums;
         add_lower(s, s.w, i, sums);
         const std::size_t row = 4 * at(i);
-        const Double4 apart = wide(s.s + row);
         const Double4 t = wide(s.t + row);
         const Double4 r = wide(s.r + row);
+        const auto [p, apart] = parts(row, t);
         const Double4 w = apart - sums.total();
-        const Double4 p = apart + t;
         const Double4 q = t + w;
         wide(s.w + row) = w;
         pq += p * q;
@@ -118,49 +139,33 @@ inline __attribute__((always_inline)) void split_rows(
     out.qq = add_lanes(qq);
 }
 
+struct Parts {
+    Double4 p, apart;  ///< p, p - t
+};
+
+/// s holds p - t.
 template <class Number>
-inline __attribute__((always_inline)) void product_rows(
-    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
-    Double4 pq{};
-    Double4 rp{};
-    for (int i = begin; i < end; ++i) {
-        ColumnSums sums;
-        add_lower(s, s.t, i, sums);
-        for (int k = s.upper_begin.data[i]; k < s.upper_begin.data[i + 1]; ++k)
-            sums.add(s.upper + 9 * at(k), s.t + 4 * at(s.upper_col.data[k]));
-        const std::size_t row = 4 * at(i);
-        const Double4 t = wide(s.t + row);
-        const Double4 w = t + sums.total();
-        wide(s.w + row) = w;
-        pq += t * w;
-        rp += wide(s.r + row) * t;
-    }
-    out.pq = add_lanes(pq);
-    out.rp = add_lanes(rp);
+inline __attribute__((always_inline)) void split_rows(detail::SweepArrays<Number> s,
+                                                      int begin,
+                                                      int end,
+                                                      detail::SweepSums& out) {
+    const auto parts = [&s](std::size_t row, const Double4& t) {
+        const Double4 apart = wide(s.s + row);
+        return Parts{apart + t, apart};
+    };
+    forward_rows(s, begin, end, parts, out);
 }
 
 template <class Number>
-inline __attribute__((always_inline)) void forward_rows(
-    const detail::SweepArrays<Number>& s, int begin, int end, detail::SweepSums& out) {
-    Double4 pq{};
-    Double4 rq{};
-    Double4 qq{};
-    for (int i = begin; i < end; ++i) {
-        ColumnSums sums;
-        add_lower(s, s.w, i, sums);
-        const std::size_t row = 4 * at(i);
+inline __attribute__((always_inline)) void direction_rows(detail::SweepArrays<Number> s,
+                                                          int begin,
+                                                          int end,
+                                                          detail::SweepSums& out) {
+    const auto parts = [&s](std::size_t row, const Double4& t) {
         const Double4 p = wide(s.p + row);
-        const Double4 t = wide(s.t + row);
-        const Double4 w = p - t - sums.total();
-        const Double4 q = t + w;
-        wide(s.w + row) = w;
-        pq += p * q;
-        rq += wide(s.r + row) * q;
-        qq += q * q;
-    }
-    out.pq = add_lanes(pq);
-    out.rq = add_lanes(rq);
-    out.qq = add_lanes(qq);
+        return Parts{p, p - t};
+    };
+    forward_rows(s, begin, end, parts, out);
 }
 
 /// L' = C_i⁻¹ m C_j⁻ᵀ, written column by column and transposed.
@@ -227,10 +232,10 @@ double sweep_residual(const SweepArrays<float>& s, double alpha, int begin, int 
 }
 
 void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return forward_rows(s, begin, end, sums); });
+    return with_avx2([&] { return direction_rows(s, begin, end, sums); });
 }
 void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return forward_rows(s, begin, end, sums); });
+    return with_avx2([&] { return direction_rows(s, begin, end, sums); });
 }
 
 void sweep_split(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {

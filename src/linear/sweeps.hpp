@@ -17,9 +17,9 @@ namespace detail {
 template <class Number>
 struct SweepArrays {
     View<const int> lower_begin, lower_col;  ///< with diagonal entries, which are skipped
-    View<const int> upper_begin, upper_col;
-    const Number* lower;  ///< L', column-major 3x3 blocks
-    const Number* upper;  ///< L'ᵀ, column-major 3x3 blocks
+    View<const int> upper_begin, upper_col;  ///< the last row first
+    const Number* lower;                     ///< L', column-major 3x3 blocks
+    const Number* upper;                     ///< L'ᵀ, column-major 3x3 blocks
     double *x, *r, *p, *t, *w;
     double* y = nullptr;  ///< these two with a coarse space or a product only
     double* s = nullptr;
@@ -29,8 +29,7 @@ struct SweepArrays {
 struct SweepSums {
     double rr =
         0.0;  ///< r.r, from the backward sweep; the others are from the forward sweep
-    double pq = 0.0, rq = 0.0, qq = 0.0;
-    double rp = 0.0;  ///< of the loops that do not know it beforehand
+    double pq = 0.0, rp = 0.0, rq = 0.0, qq = 0.0;
 };
 
 /// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w), p = r + beta p and

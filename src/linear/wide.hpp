@@ -46,6 +46,12 @@ inline __attribute__((always_inline)) Wide load_wide(const float* v) {
                 static_cast<double>(v[3])};
 }
 
+/// v with 0 in lane 3.
+inline __attribute__((always_inline)) Wide three_lanes(const Wide& v) {
+    typedef long long Bits __attribute__((vector_size(32), aligned(8), may_alias));
+    return reinterpret_cast<Wide>(reinterpret_cast<Bits>(v) & Bits{-1, -1, -1, 0});
+}
+
 /// Lanes added in a fixed order; lane 3 is 0.
 inline __attribute__((always_inline)) double add_lanes(const Wide& v) {
     return v[0] + v[1] + v[2];

@@ -69,12 +69,16 @@ void lag_pairs(Exec& exec,
                FrictionTable table,
                View<FrictionTerm> out,
                int first) {
-    exec.for_each("objective/lag_pairs", pairs.size, [=] NOLI_HD(int i) {
-        const auto& v = pairs[i].v;
-        const FrictionBasis<S> basis =
-            friction_basis(kind, load_stencil<S>(x, pairs[i]), params);
-        out[first + i] = widen(v, basis, table.between(v[0], v[S - 1]));
-    });
+    exec.for_each(
+        "objective/lag_pairs",
+        pairs.size,
+        [=] NOLI_HD(int i) {
+            const auto& v = pairs[i].v;
+            const FrictionBasis<S> basis =
+                friction_basis(kind, load_stencil<S>(x, pairs[i]), params);
+            out[first + i] = widen(v, basis, table.between(v[0], v[S - 1]));
+        },
+        kPairGrain);
 }
 
 template <class Exec>
@@ -85,12 +89,19 @@ void lag_mollified(Exec& exec,
                    FrictionTable table,
                    View<FrictionTerm> out,
                    int first) {
-    exec.for_each("objective/lag_mollified", pairs.size, [=] NOLI_HD(int i) {
-        const Int4 v = pairs[i].v;
-        const FrictionBasis<4> basis = mollified_friction_basis(
-            mollified_case(pairs[i]), load_stencil<4>(x, v), pairs[i].eps_cross, params);
-        out[first + i] = widen(v.v, basis, table.between(v[0], v[2]));
-    });
+    exec.for_each(
+        "objective/lag_mollified",
+        pairs.size,
+        [=] NOLI_HD(int i) {
+            const Int4 v = pairs[i].v;
+            const FrictionBasis<4> basis =
+                mollified_friction_basis(mollified_case(pairs[i]),
+                                         load_stencil<4>(x, v),
+                                         pairs[i].eps_cross,
+                                         params);
+            out[first + i] = widen(v.v, basis, table.between(v[0], v[2]));
+        },
+        kPairGrain);
 }
 
 template <class Exec>
@@ -187,15 +198,19 @@ void fill_friction_terms(Exec& exec,
                          View<const Vec3d> x_start,
                          double eps,
                          TermRange out) {
-    exec.for_each("objective/friction_terms", terms.size, [=] NOLI_HD(int i) {
-        const FrictionTerm& term = terms[i];
-        const Stencil<4> u = detail::moved(term, x, x_start);
-        detail::store_term(out,
-                           i,
-                           term.v.v,
-                           friction_gradient(term.basis, u, term.mu, eps),
-                           friction_hessian(term.basis, u, term.mu, eps));
-    });
+    exec.for_each(
+        "objective/friction_terms",
+        terms.size,
+        [=] NOLI_HD(int i) {
+            const FrictionTerm& term = terms[i];
+            const Stencil<4> u = detail::moved(term, x, x_start);
+            detail::store_term(out,
+                               i,
+                               term.v.v,
+                               friction_gradient(term.basis, u, term.mu, eps),
+                               friction_hessian(term.basis, u, term.mu, eps));
+        },
+        detail::kPairGrain);
 }
 
 }  // namespace noli

@@ -33,6 +33,9 @@ struct TermRange {
 
 namespace detail {
 
+/// A pair takes about a microsecond: few of them are worth a task.
+inline constexpr int kPairGrain = 8;
+
 template <int S>
 struct PairIndex;
 template <>
@@ -133,14 +136,18 @@ void fill_pair_terms(Exec& exec,
                      View<const Vec3d> x,
                      BarrierParams barrier,
                      TermRange out) {
-    exec.for_each("objective/pair_terms", pairs.size, [=] NOLI_HD(int i) {
-        const Stencil<S> at = load_stencil<S>(x, pairs[i]);
-        store_term(out,
-                   i,
-                   pairs[i].v,
-                   pair_gradient(kind, at, barrier),
-                   PairModes<Model>::of(kind, at, barrier));
-    });
+    exec.for_each(
+        "objective/pair_terms",
+        pairs.size,
+        [=] NOLI_HD(int i) {
+            const Stencil<S> at = load_stencil<S>(x, pairs[i]);
+            store_term(out,
+                       i,
+                       pairs[i].v,
+                       pair_gradient(kind, at, barrier),
+                       PairModes<Model>::of(kind, at, barrier));
+        },
+        kPairGrain);
 }
 
 }  // namespace detail
@@ -192,16 +199,20 @@ void fill_mollified_terms(Exec& exec,
                           View<const Vec3d> x,
                           BarrierParams barrier,
                           TermRange out) {
-    exec.for_each("objective/mollified_terms", pairs.size, [=] NOLI_HD(int i) {
-        const MollifiedCase sub = mollified_case(pairs[i]);
-        const Stencil<4> at = load_stencil<4>(x, pairs[i].v);
-        const double eps_cross = pairs[i].eps_cross;
-        store_term(out,
-                   i,
-                   pairs[i].v.v,
-                   mollified_gradient(sub, at, eps_cross, barrier),
-                   mollified_modes<Model>(sub, at, eps_cross, barrier));
-    });
+    exec.for_each(
+        "objective/mollified_terms",
+        pairs.size,
+        [=] NOLI_HD(int i) {
+            const MollifiedCase sub = mollified_case(pairs[i]);
+            const Stencil<4> at = load_stencil<4>(x, pairs[i].v);
+            const double eps_cross = pairs[i].eps_cross;
+            store_term(out,
+                       i,
+                       pairs[i].v.v,
+                       mollified_gradient(sub, at, eps_cross, barrier),
+                       mollified_modes<Model>(sub, at, eps_cross, barrier));
+        },
+        kPairGrain);
 }
 
 }  // namespace detail

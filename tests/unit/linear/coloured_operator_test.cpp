@@ -86,9 +86,33 @@ TEST(ColouredOperator, UpperRowsAreTheTransposeOfLowerRows) {
              ++p) {
             const int place = c.op.upper_place[static_cast<std::size_t>(p - i)];
             EXPECT_EQ(c.op.upper_col[static_cast<std::size_t>(place)], i);
-            EXPECT_EQ(interval_of(c.op.upper_begin, place),
-                      lower.col[static_cast<std::size_t>(p)]);
+            const int col = lower.col[static_cast<std::size_t>(p)];
+            EXPECT_GE(place, c.op.first_upper(col));
+            EXPECT_LT(place, c.op.end_upper(col));
         }
+}
+
+TEST(ColouredOperator, UpperRowsFollowEachOtherInTheOrderOfABackwardSweep) {
+    Coloured c(205, 40, 16);
+    int next = 0;
+    for (int i = c.op.num_rows() - 1; i >= 0; --i) {
+        EXPECT_EQ(c.op.first_upper(i), next);
+        next = c.op.end_upper(i);
+    }
+    EXPECT_EQ(static_cast<std::size_t>(next), c.op.upper_col.size());
+}
+
+/// Two threads get the same number of groups of each colour that has more than one block.
+TEST(ColouredOperator, CutsColoursIntoAnEvenNumberOfGroups) {
+    for (const int size : {40, 205, 900}) {
+        Coloured c(size, size / 5, 16);
+        for (int colour = 0; colour < c.op.num_colours(); ++colour) {
+            const auto k = static_cast<std::size_t>(colour);
+            const auto& begin = c.op.rows().colour_begin;
+            const int groups = begin[k + 1] - begin[k];
+            EXPECT_TRUE(groups == 1 || groups % 2 == 0) << groups;
+        }
+    }
 }
 
 TEST(ColouredOperator, KeepsThePatternUntilItChanges) {
