@@ -11,6 +11,7 @@
 /// Source: MATH 8.5 (pairs), MATH 6 (half-spaces).
 
 #include "contact/candidates.hpp"
+#include "contact/collision_mesh.hpp"
 #include "exec/later.hpp"
 #include "geometry/ccd.hpp"
 

@@ -3,7 +3,7 @@
 /// Contact detection as the Newton loop uses it: candidates of a motion, the safe step
 /// along it, active pairs at a position.
 
-#include "contact/candidates.hpp"
+#include "contact/broad_phase.hpp"
 #include "contact/min_gap.hpp"
 #include "contact/pairs.hpp"
 #include "contact/step_bound.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "contact/candidate_pool.hpp"
 
-#include "contact/candidates.hpp"
+#include "contact/broad_phase.hpp"
 #include "contact_shapes.hpp"
 
 namespace noli {

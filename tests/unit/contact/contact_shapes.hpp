@@ -2,7 +2,7 @@
 #pragma once
 /// Meshes and brute-force answers for the tests of the contact room.
 
-#include "contact/candidates.hpp"
+#include "contact/broad_phase.hpp"
 #include "exec/arena.hpp"
 #include "exec/cpu.hpp"
 #include "geometry/closest_feature.hpp"

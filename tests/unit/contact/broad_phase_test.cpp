@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "contact/candidates.hpp"
+#include "contact/broad_phase.hpp"
 
 #include "contact_shapes.hpp"
 

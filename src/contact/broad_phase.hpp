@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// Broad phase: every pair of primitives that may come close during a motion.
+///
+/// Candidates depend on mesh, positions and motion alone: not on the order of the trees,
+/// hence not on when they were last sorted. A tree search finds pairs whose boxes
+/// overlap; what it finds is tested along the line through the centres and the common
+/// normal too (moving_box.hpp), and whether the motion is long enough to bring it close
+/// (reach.hpp): that leaves out most neighbours on a smooth surface, and saves more time
+/// downstream than it costs. Most queries need no tree search: see candidate_pool.hpp.
+///
+/// Source: MATH 9 (which pairs), moving_box.hpp and reach.hpp (which are far).
+
+#include "contact/bvh.hpp"
+#include "contact/candidate_pool.hpp"
+#include "contact/candidates.hpp"
+#include "contact/collision_mesh.hpp"
+#include "contact/moving_box.hpp"
+#include "contact/plane_search.hpp"
+#include "contact/pool_query.hpp"
+#include "contact/tree_search.hpp"
+
+#include <tuple>
+
+namespace noli {
+
+namespace detail {
+
+/// pairs[i][0] = ids[pairs[i][0]]
+template <class Exec>
+void name_first(Exec& exec, View<const int> ids, View<Int2> pairs) {
+    exec.for_each("contact/name_first", pairs.size, [=] NOLI_HD(int i) {
+        pairs[i][0] = ids[pairs[i][0]];
+    });
+}
+
+}  // namespace detail
+
+/// The trees over a mesh, the pool and the buffers of the search, kept between queries.
+template <class Exec>
+class BroadPhase {
+  public:
+    /// Sorts the trees anew at the next search. Results never depend on when this was
+    /// called, but searches slow down when much has moved since: once per time step is
+    /// enough.
+    void sort_at_next_search() { sorted_ = false; }
+
+    /// The same at once, by positions x.
+    void sort(Exec& exec, const CollisionMeshView& m, View<const Vec3d> x) {
+        const MortonGrid grid = detail::grid_around(exec, m.vertices, x);
+        vertices_.sort(exec, m.vertices, grid, x);
+        triangles_.sort(exec, m.triangles, grid, x);
+        edges_.sort(exec, m.edges, grid, x);
+        sorted_ = true;
+    }
+
+    /// Call when the mesh has changed.
+    void forget() {
+        sorted_ = false;
+        pooled_ = false;
+        edge_length_ = -1.0;
+    }
+
+    /// Starts to look how far the vertices have moved and will move along p (empty: not
+    /// at all), for a call of `find` with these arrays.
+    void look_along(Exec& exec,
+                    const DeviceCollisionMesh<Exec>& mesh,
+                    View<const Vec3d> x,
+                    View<const Vec3d> p) {
+        const CollisionMeshView m = mesh.view();
+        reach_.travel = detail::largest_travel(exec, m.vertices, p);
+        reach_.coordinate = detail::largest_coordinate(exec, m.vertices, x);
+        if (pooled_)
+            reach_.displaced = detail::largest_displacement(
+                exec, m.vertices, View<const Vec3d>(reference_.view()), x);
+        if (edge_length_ < 0.0)
+            reach_.edge_lengths = detail::sum_of_lengths(exec, m.edge_rest_sq);
+    }
+
+    /// See find_candidates. Call look_along before, with the same arrays.
+    void find(Exec& exec,
+              const DeviceCollisionMesh<Exec>& mesh,
+              const Motion& motion,
+              double gap,
+              Candidates<Exec>& out) {
+        const CollisionMeshView m = mesh.view();
+        const detail::VertexPlaneSearch planes{m, motion, gap};
+        plane_pairs_.start(exec, planes);
+        if (motion.p.size > 0)
+            find_pairs_of<MovingBox>(exec, m, motion, gap, out);
+        else
+            find_pairs_of<StaticBox>(exec, m, motion, gap, out);
+        plane_pairs_.finish(exec, planes, out.vertex_plane);
+    }
+
+  private:
+    template <class T>
+    using Buffer = typename Exec::template Buffer<T>;
+
+    template <class Box>
+    struct Trees {
+        BvhBoxes<Exec, Box, int> vertices;
+        BvhBoxes<Exec, Box, Int3> triangles;
+        BvhBoxes<Exec, Box, Int2> edges;
+    };
+
+    /// Largest of all vertices, m.
+    struct Reach {
+        Later displaced;  ///< from the pool's reference
+        Later travel;     ///< along all of p
+        Later coordinate;
+        Later edge_lengths;  ///< sum over the edges
+    };
+
+    /// What belongs to one list of the pool.
+    struct PooledPairs {
+        Buffer<float> distances;  ///< at the reference, m
+        detail::PairFilter<Exec> filter;
+    };
+
+    template <class Box>
+    void find_pairs_of(Exec& exec,
+                       const CollisionMeshView& m,
+                       const Motion& motion,
+                       double gap,
+                       Candidates<Exec>& out) {
+        bool pooled = covers(exec, m, motion, gap);
+        if (pooled)
+            policy_.used();
+        else
+            pooled = renew_pool(exec, m, motion, gap);
+        if (pooled)
+            keep_close<Box>(exec, m, motion, gap, out);
+        else
+            search<Box>(exec, m, motion, gap, out);
+    }
+
+    /// How far a vertex travels at most, m, rounded up.
+    double largest_travel(Exec& exec, const Motion& motion) {
+        if (motion.p.size == 0) return 0.0;
+        return detail::reach_up(motion.alpha * exec.value(reach_.travel));
+    }
+
+    /// Whether the pool holds all pairs of that query.
+    bool covers(Exec& exec,
+                const CollisionMeshView& m,
+                const Motion& motion,
+                double gap) {
+        if (!pooled_ || gap != range_.gap || m.vertices.size == 0) return false;
+        return detail::reach_up(exec.value(reach_.displaced))
+                 + largest_travel(exec, motion)
+            <= range_.margin;
+    }
+
+    /// A pool that covers this motion and what comes after it, if that seems worth it.
+    bool renew_pool(Exec& exec,
+                    const CollisionMeshView& m,
+                    const Motion& motion,
+                    double gap) {
+        if (pooled_) policy_.missed();
+        pooled_ = false;
+        if (m.vertices.size == 0) return false;
+        if (edge_length_ < 0.0)
+            edge_length_ = m.edge_rest_sq.size == 0
+                             ? 0.0
+                             : exec.value(reach_.edge_lengths) / m.edge_rest_sq.size;
+        const double travel = largest_travel(exec, motion);
+        const double margin = policy_.margin_for(travel, gap, edge_length_);
+        if (!(margin > travel)) return false;
+        fill_pool(exec, m, motion.x, gap, margin);
+        return true;
+    }
+
+    /// A pool around x.
+    void fill_pool(Exec& exec,
+                   const CollisionMeshView& m,
+                   View<const Vec3d> x,
+                   double gap,
+                   double margin) {
+        reference_.resize(x.size);
+        exec.copy(x, reference_.view());
+        const View<const Vec3d> reference = reference_.view();
+        constexpr double kRounding = 1e-5;  // above those of reach.hpp and of floats
+        const double extent = exec.value(reach_.coordinate);
+        range_ = {margin, gap, kRounding * (2.0 * extent + gap + margin)};
+        const Motion still{reference, {}, 0.0};
+        search<StaticBox>(exec, m, still, range_.distance(), pool_);
+        measure_pool(exec, m, reference);
+        pooled_ = true;
+        policy_.built(pool_.size(), m.edges.size);
+    }
+
+    void measure_pool(Exec& exec, const CollisionMeshView& m, View<const Vec3d> x) {
+        const auto measure = [&](auto primitives, Buffer<Int2>& pairs, PooledPairs& out) {
+            out.distances.resize(pairs.size());
+            detail::pool_distances(
+                exec, pairs.view(), primitives, x, out.distances.view());
+        };
+        measure(m.triangles, pool_.vertex_triangle, pooled_vertex_triangle_);
+        measure(m.edges, pool_.edge_edge, pooled_edge_edge_);
+    }
+
+    /// The pairs of the pool that the motion brings close.
+    template <class Box>
+    void keep_close(Exec& exec,
+                    const CollisionMeshView& m,
+                    const Motion& motion,
+                    double gap,
+                    Candidates<Exec>& out) {
+        reaches_.resize(motion.x.size);
+        detail::vertex_reaches(exec,
+                               m.vertices,
+                               View<const Vec3d>(reference_.view()),
+                               motion,
+                               reaches_.view());
+        const detail::PoolQuery query{m, motion, gap, reaches_.view()};
+        const auto start = [&](PooledPairs& pooled, Buffer<Int2>& pairs, auto keeps) {
+            pooled.filter.start(exec, pairs.view(), pooled.distances.view(), keeps);
+        };
+        start(pooled_vertex_triangle_,
+              pool_.vertex_triangle,
+              detail::PooledVertexTriangle<Box>{query});
+        start(pooled_edge_edge_, pool_.edge_edge, detail::PooledEdgeEdge<Box>{query});
+        pooled_vertex_triangle_.filter.finish(exec, out.vertex_triangle);
+        pooled_edge_edge_.filter.finish(exec, out.edge_edge);
+    }
+
+    /// All pairs that may get closer than gap, from the trees.
+    template <class Box>
+    void search(Exec& exec,
+                const CollisionMeshView& m,
+                const Motion& motion,
+                double gap,
+                Candidates<Exec>& out) {
+        if (!sorted_) sort(exec, m, motion.x);
+        Trees<Box>& trees = std::get<Trees<Box>>(trees_);
+        trees.vertices.refit(exec, vertices_, motion, gap);
+        trees.triangles.refit(exec, triangles_, motion, 0.0);
+        // Both edges of a pair grow by half of the gap: the tree is searched with itself.
+        trees.edges.refit(exec, edges_, motion, 0.5 * gap);
+
+        const auto edges = trees.edges.view(edges_);
+        const auto near_triangles =
+            detail::tree_search(exec,
+                                trees.vertices.view(vertices_),
+                                trees.triangles.view(triangles_),
+                                detail::VertexTriangleTest{m, motion, gap});
+        const auto near_edges =
+            detail::tree_search(exec, edges, edges, detail::EdgeEdgeTest{m, motion, gap});
+        vertex_triangle_pairs_.start(exec, near_triangles, out.vertex_triangle.size());
+        edge_edge_pairs_.start(exec, near_edges, out.edge_edge.size());
+        vertex_triangle_pairs_.finish(exec, near_triangles, out.vertex_triangle);
+        detail::name_first(exec, m.vertices, out.vertex_triangle.view());
+        edge_edge_pairs_.finish(exec, near_edges, out.edge_edge);
+    }
+
+    BvhOrder<Exec, int> vertices_;
+    BvhOrder<Exec, Int3> triangles_;
+    BvhOrder<Exec, Int2> edges_;
+    std::tuple<Trees<StaticBox>, Trees<MovingBox>> trees_;
+    detail::TreePairs<Exec> vertex_triangle_pairs_, edge_edge_pairs_;
+    detail::PlanePairs<Exec> plane_pairs_;
+    bool sorted_ = false;
+
+    Candidates<Exec> pool_;  ///< its planes stay empty
+    PoolRange range_{};
+    Reach reach_;
+    Buffer<Vec3d> reference_;
+    Buffer<VertexReach> reaches_;
+    PooledPairs pooled_vertex_triangle_, pooled_edge_edge_;
+    bool pooled_ = false;
+    PoolPolicy policy_;
+    double edge_length_ = -1.0;  ///< mean, m; negative: not known yet
+};
+
+/// Every pair of primitives whose distance gets below `inflation` at some time of the
+/// motion x + t p, t in [0, alpha], and some that stay a little farther: those whose
+/// boxes do not. Left out: pairs that share a vertex, pairs of kinematic vertices alone,
+/// disabled body pairs. broad_phase.look_along(exec, mesh, x, p) has been called.
+///
+/// In:   x (num_vertices) m, p (num_vertices) m or empty for a static query,
+///       inflation >= 0 in m
+/// Out:  sorted lists, equal for every executor, thread count and age of the trees
+template <class Exec>
+void find_candidates_seen(Exec& exec,
+                          const DeviceCollisionMesh<Exec>& mesh,
+                          BroadPhase<Exec>& broad_phase,
+                          View<const Vec3d> x,
+                          View<const Vec3d> p,
+                          double alpha,
+                          double inflation,
+                          Candidates<Exec>& out) {
+    // Room for the rounding of x + alpha p and of differences of coordinates.
+    const double gap = inflation * (1.0 + 1e-6);
+    broad_phase.find(exec, mesh, Motion{x, p, alpha}, gap, out);
+}
+
+/// The same, looking along the motion first.
+template <class Exec>
+void find_candidates(Exec& exec,
+                     const DeviceCollisionMesh<Exec>& mesh,
+                     BroadPhase<Exec>& broad_phase,
+                     View<const Vec3d> x,
+                     View<const Vec3d> p,
+                     double alpha,
+                     double inflation,
+                     Candidates<Exec>& out) {
+    broad_phase.look_along(exec, mesh, x, p);
+    find_candidates_seen(exec, mesh, broad_phase, x, p, alpha, inflation, out);
+}
+
+}  // namespace noli
