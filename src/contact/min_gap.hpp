@@ -120,6 +120,17 @@ Later smallest_of(Exec& exec, View<const double> values) {
         "contact/smallest_of", values.size, [=] NOLI_HD(int i) { return values[i]; });
 }
 
+/// Smallest distance of the pairs; the distance of each stays in `work`.
+template <class Exec>
+Later smallest_gap_later(Exec& exec,
+                         const PairSetReader& pairs,
+                         View<const Vec3d> x,
+                         MinGapWork<Exec>& work) {
+    work.distances.resize(pairs.size());
+    pair_distances(exec, pairs, x, work.distances.view());
+    return smallest_of(exec, work.distances.view());
+}
+
 template <class Exec>
 double first_place_of(Exec& exec, double value, View<const double> values) {
     return exec.min("contact/first_place_of", values.size, [=] NOLI_HD(int i) {
@@ -143,10 +154,7 @@ Later smallest_gap_later(Exec& exec,
                          const PairSet<Exec>& pairs,
                          View<const Vec3d> x,
                          MinGapWork<Exec>& work) {
-    const detail::PairSetReader reader = detail::reader_of(mesh, pairs);
-    work.distances.resize(reader.size());
-    detail::pair_distances(exec, reader, x, work.distances.view());
-    return detail::smallest_of(exec, View<const double>(work.distances.view()));
+    return detail::smallest_gap_later(exec, detail::reader_of(mesh, pairs), x, work);
 }
 
 /// Smallest distance of the pairs at positions x and the first pair that has it. A NaN
@@ -158,9 +166,8 @@ MinGap min_gap(Exec& exec,
                View<const Vec3d> x,
                MinGapWork<Exec>& work) {
     const detail::PairSetReader reader = detail::reader_of(mesh, pairs);
-    const double gap = exec.value(smallest_gap_later(exec, mesh, pairs, x, work));
-    const double first =
-        detail::first_place_of(exec, gap, View<const double>(work.distances.view()));
+    const double gap = exec.value(detail::smallest_gap_later(exec, reader, x, work));
+    const double first = detail::first_place_of(exec, gap, work.distances.view());
     work.closest.resize(1);
     if (!(first < INFINITY)) return {gap, MinGap::Kind::None, {{-1, -1, -1, -1}}};
     detail::name_pair(exec, reader, static_cast<int>(first), work.closest.view());
