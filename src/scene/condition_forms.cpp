@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Forms of boundary conditions, grids and names; those of placement and material are in
 /// forms.cpp.
+#include "scene/choices.hpp"
 #include "scene/forms.hpp"
 #include "scene/object_reader.hpp"
 #include "scene/object_writer.hpp"
-#include "scene/scene_fields.hpp"
 #include "scene/schema_builder.hpp"
 
 #include <array>

@@ -2,10 +2,10 @@
 #include "scene/forms.hpp"
 
 #include "scene/affine.hpp"
+#include "scene/body_fields.hpp"
 #include "scene/materials.hpp"
 #include "scene/object_reader.hpp"
 #include "scene/object_writer.hpp"
-#include "scene/scene_fields.hpp"
 #include "scene/schema_builder.hpp"
 #include "scene/suggest.hpp"
 
