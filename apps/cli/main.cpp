@@ -2,6 +2,7 @@
 /// The command line: what it offers, and what it says to a command line that it does not
 /// understand.
 
+#include "noli/scene.hpp"
 #include "noli/simulator.hpp"
 
 #include "commands.hpp"
@@ -73,6 +74,18 @@ void add_run_output_options(CLI::App& run, RunArguments& a) {
         ->group(kGroup);
 }
 
+/// An option whose value is one of a few names.
+CLI::Option* add_choice(CLI::App& run,
+                        const std::string& option,
+                        std::string& chosen,
+                        const std::string& what,
+                        const std::vector<std::string>& names) {
+    const std::string but_last =
+        fmt::format("{}", fmt::join(names.begin(), names.end() - 1, ", "));
+    const std::string help = fmt::format("{}{} or {}", what, but_last, names.back());
+    return run.add_option(option, chosen, help)->check(CLI::IsMember(names));
+}
+
 void add_run_scene_options(CLI::App& run, RunArguments& a) {
     const char* kGroup = "Instead of what the scene says";
     run.add_option("--dt", a.dt, "Time step, s")
@@ -88,24 +101,19 @@ void add_run_scene_options(CLI::App& run, RunArguments& a) {
     run.add_option("--max-newton", a.max_newton, "Newton iterations per step, at most")
         ->check(CLI::PositiveNumber)
         ->group(kGroup);
-    run.add_option("--integrator", a.integrator, "implicit_euler, bdf2 or newmark")
-        ->check(CLI::IsMember({"implicit_euler", "bdf2", "newmark"}))
+    add_choice(run, "--integrator", a.integrator, "", value_names<Integrator>())
         ->group(kGroup);
-    run.add_option("--linear",
-                   a.linear,
-                   "Linear solver: pcg, cholmod, block_jacobi or incomplete_cholesky")
-        ->check(CLI::IsMember({"pcg", "cholmod", "block_jacobi", "incomplete_cholesky"}))
+    add_choice(run, "--linear", a.linear, "Linear solver: ", value_names<LinearSolver>())
         ->group(kGroup);
     run.add_option("--pcg-tolerance",
                    a.pcg_tolerance,
                    "Of the preconditioned residual, relative [automatic]")
         ->check(CLI::PositiveNumber)
         ->group(kGroup);
-    run.add_option("--contact-hessian", a.contact_hessian, "gn, gn+ or exact")
-        ->check(CLI::IsMember({"gn", "gn+", "exact"}))
+    // Not all: a scene may ask for "numeric" too, which is for comparison.
+    add_choice(run, "--contact-hessian", a.contact_hessian, "", {"gn", "gn+", "exact"})
         ->group(kGroup);
-    run.add_option("--mollifier", a.mollifier, "two_mode, four_mode or exact")
-        ->check(CLI::IsMember({"two_mode", "four_mode", "exact"}))
+    add_choice(run, "--mollifier", a.mollifier, "", value_names<MollifierModel>())
         ->group(kGroup);
     run.add_option("--friction-iterations",
                    a.friction_iterations,

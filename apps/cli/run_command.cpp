@@ -66,6 +66,12 @@ void override_with(const std::optional<T>& value, T& setting) {
     if (value) setting = *value;
 }
 
+/// The same for a value given by its name; empty: as the scene says.
+template <class E>
+void override_by_name(const std::string& name, E& setting) {
+    override_with(value_named<E>(name), setting);
+}
+
 /// What the command line says instead of the scene.
 void apply_overrides(const RunArguments& a, Scene& scene) {
     override_with(a.frames_every, scene.output.every);
@@ -79,21 +85,10 @@ void apply_overrides(const RunArguments& a, Scene& scene) {
     override_with(a.duration, scene.duration);
     override_with(a.friction_iterations, scene.contact.friction_iterations);
     if (!a.formats.empty()) scene.output.formats = a.formats;
-    if (a.linear == "pcg") scene.solver.linear = LinearSolver::Pcg;
-    if (a.linear == "block_jacobi") scene.solver.linear = LinearSolver::BlockJacobi;
-    if (a.linear == "cholmod") scene.solver.linear = LinearSolver::Cholmod;
-    if (a.linear == "incomplete_cholesky")
-        scene.solver.linear = LinearSolver::IncompleteCholesky;
-    if (a.contact_hessian == "gn") scene.contact.hessian = ContactModel::Gn;
-    if (a.contact_hessian == "gn+") scene.contact.hessian = ContactModel::GnPlus;
-    if (a.contact_hessian == "exact") scene.contact.hessian = ContactModel::Exact;
-    if (a.mollifier == "two_mode") scene.contact.mollifier = MollifierModel::TwoMode;
-    if (a.mollifier == "four_mode") scene.contact.mollifier = MollifierModel::FourMode;
-    if (a.mollifier == "exact") scene.contact.mollifier = MollifierModel::Exact;
-    if (a.integrator == "implicit_euler")
-        scene.solver.integrator = Integrator::ImplicitEuler;
-    if (a.integrator == "bdf2") scene.solver.integrator = Integrator::Bdf2;
-    if (a.integrator == "newmark") scene.solver.integrator = Integrator::Newmark;
+    override_by_name(a.linear, scene.solver.linear);
+    override_by_name(a.contact_hessian, scene.contact.hessian);
+    override_by_name(a.mollifier, scene.contact.mollifier);
+    override_by_name(a.integrator, scene.solver.integrator);
 }
 
 void print_start(const Resolved& r, const std::string& directory, int first, int last) {

@@ -239,4 +239,13 @@ Result<Scene> read_scene(const std::string& path,
 /// The scene as native JSON text; reading it back gives the same scene, bit for bit.
 std::string scene_to_json(const Scene& scene);
 
+/// The words that a scene has for the values of a setting, in the order of its
+/// documentation. E is Integrator, LinearSolver, ContactModel or MollifierModel.
+template <class E>
+std::vector<std::string> value_names();
+
+/// The value that such a word stands for, if any.
+template <class E>
+std::optional<E> value_named(const std::string& name);
+
 }  // namespace noli

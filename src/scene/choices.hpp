@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The words that a scene has for the values of its settings, and what they mean.
+/// The words that a scene has for the values of its settings, and what they mean. The
+/// command line has the same (value_names of noli/scene.hpp).
 
 #include "noli/scene.hpp"
 
