@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the script to the scene: placements, materials, settings. Animations:
-/// ipc_animation.cpp.
+/// From the script to the scene: placements, materials. Settings: ipc_settings.cpp.
+/// Animations: ipc_animation.cpp.
 #include "scene/ipc_script.hpp"
 
 #include "mesh/source.hpp"
 #include "scene/affine.hpp"
+#include "scene/ipc_box.hpp"
+#include "scene/ipc_files.hpp"
 #include "scene/ipc_script_data.hpp"
-#include "scene/suggest.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
-#include <map>
+#include <limits>
 #include <set>
 
 namespace noli {
@@ -22,116 +22,6 @@ namespace noli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-struct Box {
-    Vector3 lo{kInfinity, kInfinity, kInfinity};
-    Vector3 hi{-kInfinity, -kInfinity, -kInfinity};
-
-    void add(const Vec3d& p) {
-        for (int k = 0; k < 3; ++k) {
-            const auto i = static_cast<std::size_t>(k);
-            lo[i] = std::min(lo[i], p[k]);
-            hi[i] = std::max(hi[i], p[k]);
-        }
-    }
-    void add(const Vector3& low, const Vector3& high) {
-        add({low[0], low[1], low[2]});
-        add({high[0], high[1], high[2]});
-    }
-    [[nodiscard]] Vector3 extent() const {
-        return {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]};
-    }
-    [[nodiscard]] double diagonal() const {
-        const Vector3 e = extent();
-        return std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
-    }
-    [[nodiscard]] double largest_extent() const {
-        const Vector3 e = extent();
-        return std::max({e[0], e[1], e[2]});
-    }
-};
-
-/// The box of the copies of a box on a grid.
-void add_copies(Box& box,
-                const Box& one,
-                const std::array<int, 3>& grid,
-                const Vector3& spacing) {
-    Vector3 lo = one.lo;
-    Vector3 hi = one.hi;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double reach = (grid[k] - 1) * spacing[k];
-        lo[k] += std::min(0.0, reach);
-        hi[k] += std::max(0.0, reach);
-    }
-    box.add(lo, hi);
-}
-
-/// Finds the files that a script names, and reads each of them once.
-class ScriptFiles {
-  public:
-    explicit ScriptFiles(const std::string& script) {
-        std::error_code ec;
-        script_folder_ =
-            fs::absolute(script, ec).parent_path().lexically_normal().string();
-    }
-
-    /// The path to write into the scene: relative to the base folder if it lies there.
-    std::string locate(const std::string& path,
-                       const ScriptWords& place,
-                       bool folder = false) {
-        std::string searched;
-        for (fs::path root = script_folder_;; root = root.parent_path()) {
-            const std::string full = resolve_path(path, root.string());
-            std::error_code ec;
-            const bool found =
-                folder ? fs::is_directory(full, ec) : mesh_file_exists(full);
-            if (found) return named(path, root.string());
-            if (root == root.parent_path()) break;
-        }
-        std::vector<std::string> siblings;
-        std::error_code ec;
-        const fs::path around =
-            fs::path(resolve_path(path, base_.value_or(script_folder_))).parent_path();
-        for (const auto& entry : fs::directory_iterator(around, ec))
-            siblings.push_back(entry.path().filename().string());
-        place.fail(
-            fmt::format("found no file \"{}\" beside the script or in a folder above it, "
-                        "expected a mesh{}; "
-                        "correct the path or add the file",
-                        path,
-                        did_you_mean(fs::path(path).filename().string(), siblings)),
-            Error::Code::FileNotReadable);
-    }
-
-    const Mesh& load(const std::string& path, const ScriptWords& place) {
-        const std::string full = resolve_path(path, base_folder());
-        if (const auto known = meshes_.find(full); known != meshes_.end())
-            return known->second;
-        MeshSource source;
-        source.file = path;
-        Result<Mesh> mesh = load_body_mesh(source, base_folder());
-        if (!mesh)
-            place.fail(mesh.error().where + ": " + mesh.error().message,
-                       mesh.error().code);
-        return meshes_.emplace(full, std::move(mesh.value())).first->second;
-    }
-
-    [[nodiscard]] std::string base_folder() const {
-        return base_.value_or(script_folder_);
-    }
-
-  private:
-    std::string named(const std::string& path, const std::string& root) {
-        if (!base_) base_ = root;
-        return *base_ == root ? path : resolve_path(path, root);
-    }
-
-    std::string script_folder_;
-    std::optional<std::string> base_;
-    std::map<std::string, Mesh> meshes_;
-};
 
 class Converter {
   public:
@@ -152,11 +42,12 @@ class Converter {
         place_shapes();
         for (ScriptObstacle& obstacle : script_.obstacles)
             add_obstacle(obstacle);
-        set_time();
+        apply_time(script_, scene_);
         for (const PlacedShape& placed : placed_)
             if (!placed.shape->sequence_folder.empty()) add_sequence(placed);
-        set_contact();
-        set_solver();
+        add_half_spaces();
+        apply_contact(script_, placed_, scene_);
+        apply_solver(script_, scene_);
         apply_animation(script_, placed_, scene_);
         scene_.base_folder = files_.base_folder();
         return std::move(scene_);
@@ -230,11 +121,11 @@ class Converter {
 
     /// Box of the shapes (all, or the elastic ones) with the transforms that the bodies
     /// have now.
-    Box box_of_shapes(bool elastic_only, double spacing_scale) {
-        Box all;
+    ScriptBox box_of_shapes(bool elastic_only, double spacing_scale) {
+        ScriptBox all;
         for (const PlacedShape& placed : placed_) {
             if (elastic_only && !placed.elastic) continue;
-            Box one;
+            ScriptBox one;
             for (const Vec3d& p : placed.x)
                 one.add(apply_affine(body_of(placed).transform, p));
             Vector3 spacing = placed.shape->spacing;
@@ -255,7 +146,7 @@ class Converter {
             any_elastic ? box_of_shapes(true, 1.0).diagonal() : 0.0;
         if (script_.rotation) rotate_shapes();
 
-        const Box box = box_of_shapes(false, 1.0);
+        const ScriptBox box = box_of_shapes(false, 1.0);
         double scale = 1.0;
         Vector3 shift{};
         if (script_.size > 0.0) {
@@ -292,12 +183,12 @@ class Converter {
     }
 
     static void finish_placement(PlacedShape& placed, const Body& body) {
-        Box one;
+        ScriptBox one;
         for (Vec3d& p : placed.x) {
             p = apply_affine(body.transform, p);
             one.add(p);
         }
-        Box all;
+        ScriptBox all;
         add_copies(all, one, body.grid, body.grid_spacing);
         placed.lo = all.lo;
         placed.hi = all.hi;
@@ -307,7 +198,7 @@ class Converter {
         const std::string path = files_.locate(obstacle.path, obstacle.place);
         const Mesh& mesh = files_.load(path, obstacle.place);
         const Affine turn = make_rotation(obstacle.rotation_deg);
-        Box box;
+        ScriptBox box;
         Vec3d mean{0, 0, 0};
         for (const Vec3d& p : mesh.x) {
             box.add(apply_affine(turn, p));
@@ -324,7 +215,7 @@ class Converter {
                                           {obstacle.origin[0] - scale * turned.x,
                                            obstacle.origin[1] - scale * turned.y,
                                            obstacle.origin[2] - scale * turned.z});
-        obstacle.right_end = -kInfinity;
+        obstacle.right_end = -std::numeric_limits<double>::infinity();
         for (const Vec3d& p : mesh.x)
             obstacle.right_end =
                 std::max(obstacle.right_end, apply_affine(body.transform, p).x);
@@ -360,85 +251,11 @@ class Converter {
         body_of(placed).boundary.push_back(condition);
     }
 
-    void set_time() {
-        scene_.duration = script_.duration;
-        scene_.dt = script_.dt;
-        scene_.gravity = script_.gravity ? Vector3{0, -9.80665, 0} : Vector3{0, 0, 0};
-        // The original multiplies the elastic Hessian by dampingStiff / dt, ours by beta
-        // dt.
-        const double dt = script_.dt;
-        scene_.damping.stiffness = script_.damping_ratio
-                                     ? 0.75 * *script_.damping_ratio * dt
-                                     : script_.damping_stiff / (dt * dt);
-    }
-
-    void set_contact() {
-        ContactSettings& contact = scene_.contact;
+    void add_half_spaces() {
         for (HalfSpace half_space : script_.half_spaces) {
             half_space.name = unique_name("ground");
             scene_.half_spaces.push_back(half_space);
         }
-        contact.dhat = script_.tuning[2];
-        contact.epsv = script_.tuning[5];
-        contact.dhat_absolute = contact.epsv_absolute = script_.absolute;
-        contact.friction_iterations = script_.friction_iterations;
-        contact.kappa_min_multiplier = script_.kappa_min_multiplier;
-        if (script_.tuning[0] != 0.0)
-            throw ScriptFailure{{Error::Code::Unsupported,
-                                 script_.file,
-                                 "found a fixed contact stiffness (first number of "
-                                 "\"tuning\"), whose scale belongs to "
-                                 "the other program; write 0 for an adaptive one, or set "
-                                 "contact.kappa in JSON"}};
-        if (script_.tuning[1] != script_.tuning[2]
-            || script_.tuning[4] != script_.tuning[5])
-            script_.warnings.push_back(
-                {script_.file,
-                 "dHat and epsv start at their target values: their homotopy "
-                 "within a step is not done"});
-        if (!(contact.dhat > 0.0 && contact.epsv > 0.0))
-            throw ScriptFailure{
-                {Error::Code::InvalidScene,
-                 script_.file,
-                 fmt::format(
-                     "found dHat {} and epsv {}, expected both > 0; correct \"tuning\"",
-                     contact.dhat,
-                     contact.epsv)}};
-        if (!script_.self_collision) disable_contact_of_shapes();
-    }
-
-    /// Obstacles and half-spaces keep their contact with the shapes.
-    void disable_contact_of_shapes() {
-        ContactSettings& contact = scene_.contact;
-        contact.self_contact = false;
-        if (script_.obstacles.empty() && script_.half_spaces.empty()) {
-            contact.enabled = false;
-            return;
-        }
-        for (std::size_t i = 0; i < placed_.size(); ++i)
-            for (std::size_t j = i; j < placed_.size(); ++j)
-                if (i != j || placed_[i].copies() > 1)
-                    contact.pairs.push_back({body_of(placed_[i]).name,
-                                             body_of(placed_[j]).name,
-                                             std::nullopt,
-                                             false});
-    }
-
-    void set_solver() {
-        SolverSettings& solver = scene_.solver;
-        solver.integrator = script_.integrator;
-        solver.newmark_beta = script_.newmark_beta;
-        solver.newmark_gamma = script_.newmark_gamma;
-        solver.tolerance_absolute = script_.absolute;
-        solver.tolerance = script_.tolerances.front();
-        if (script_.tolerances.size() > 1) solver.tolerance_per_step = script_.tolerances;
-        if (std::any_of(script_.tolerances.begin(),
-                        script_.tolerances.end(),
-                        [](double t) { return !(t > 0); }))
-            throw ScriptFailure{{Error::Code::InvalidScene,
-                                 script_.file,
-                                 "found a tolerance that is not positive, expected > 0; "
-                                 "correct \"tol\""}};
     }
 
     Script script_;

@@ -108,6 +108,16 @@ struct PlacedShape {
     }
 };
 
+/// Time steps and damping.
+void apply_time(const Script& script, Scene& scene);
+
+/// Contact settings of the scene, whose bodies are there already; what they leave out
+/// becomes a warning of the script. Throws ScriptFailure.
+void apply_contact(Script& script, const std::vector<PlacedShape>& shapes, Scene& scene);
+
+/// Time integration and tolerances. Throws ScriptFailure.
+void apply_solver(const Script& script, Scene& scene);
+
 /// Adds the boundary conditions and velocities of the script's animation to the bodies of
 /// the scene, which are placed already; what it leaves out becomes a warning of the
 /// script. Throws ScriptFailure.
