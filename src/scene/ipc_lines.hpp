@@ -44,6 +44,11 @@ class ScriptWords {
     std::size_t next_ = 0;
 };
 
+/// Fails at the place of `words` unless the condition holds.
+inline void require(bool holds, const ScriptWords& words, const std::string& message) {
+    if (!holds) words.fail(message);
+}
+
 /// Walks through a script. `#` starts a comment, `\` at the end of a line joins the next
 /// one.
 class ScriptLines {

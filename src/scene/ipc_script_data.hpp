@@ -96,6 +96,13 @@ struct Script {
 /// Throws ScriptFailure.
 Script parse_script(const std::string& file, const std::string& text);
 
+/// The shape that a line describes: mesh, placement, and what may follow them. Throws
+/// ScriptFailure.
+ScriptShape read_shape(ScriptWords words);
+
+/// Throws ScriptFailure, at the place of `words`, unless the constants make sense.
+void check_material(const ScriptWords& words, const ScriptMaterial& material);
+
 /// A shape with its mesh, placed as at the start of the simulation.
 struct PlacedShape {
     const ScriptShape* shape = nullptr;
