@@ -11,10 +11,6 @@ namespace noli {
 
 namespace {
 
-Vec3d to_vec3(const Vector3& v) {
-    return {v[0], v[1], v[2]};
-}
-
 Vec3d box_center(std::span<const Vec3d> x, const std::vector<int>& vertices) {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     Vec3d lo{kInf, kInf, kInf};

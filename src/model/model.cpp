@@ -6,19 +6,16 @@
 #include "mesh/topology.hpp"
 #include "model/rotation.hpp"
 #include "model/select.hpp"
+#include "model/settings.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
+#include <numbers>
 
 namespace noli {
 
 namespace {
-
-Vec3d to_vec3(const Vector3& v) {
-    return {v[0], v[1], v[2]};
-}
 
 Vec3d apply(const Affine& m, const Vec3d& p) {
     const auto row = [&](std::size_t i) {
@@ -61,9 +58,9 @@ class Builder {
                          "the scene has no bodies; add at least one"};
         sort_tets();
         model_.tet_source = source_;
-        add_planes();
-        set_contact_rules();
-        resolve_scales();
+        add_planes(scene_, model_);
+        set_contact_rules(scene_, source_body_, model_);
+        resolve_scales(scene_, model_);
         return std::move(model_);
     }
 
@@ -285,95 +282,6 @@ class Builder {
                     order.begin(), order.end(), [&](int t) { return model_of(t) < m; }));
     }
 
-    void add_planes() {
-        for (const HalfSpace& half_space : scene_.half_spaces) {
-            const Vec3d normal = normalized(to_vec3(half_space.normal));
-            model_.planes.push_back(
-                {half_space.name, normal, dot(normal, to_vec3(half_space.point))});
-        }
-    }
-
-    void set_contact_rules() {
-        const std::size_t n = model_.body_names.size();
-        const std::size_t num_planes = model_.planes.size();
-        const bool on = scene_.contact.enabled;
-        model_.pair_enabled.assign(n * n, on ? 1 : 0);
-        model_.pair_friction.assign(n * n, 0.0);
-        model_.plane_enabled.assign(num_planes * n, on ? 1 : 0);
-        model_.plane_friction.assign(num_planes * n, 0.0);
-        for (std::size_t a = 0; a < n; ++a) {
-            if (!scene_.contact.self_contact) model_.pair_enabled[a * n + a] = 0;
-            for (std::size_t b = 0; b < n; ++b)
-                model_.pair_friction[a * n + b] =
-                    std::max(friction_of(a), friction_of(b));
-            for (std::size_t p = 0; p < num_planes; ++p)
-                model_.plane_friction[p * n + a] = scene_.half_spaces[p].friction;
-        }
-        for (const ContactPairRule& rule : scene_.contact.pairs) {
-            apply_rule(rule.a, rule.b, rule);
-            if (rule.a != rule.b) apply_rule(rule.b, rule.a, rule);
-        }
-    }
-
-    [[nodiscard]] double friction_of(std::size_t body) const {
-        return scene_.bodies[source_body_[body]].friction;
-    }
-
-    [[nodiscard]] bool names(const std::string& pattern, std::size_t body) const {
-        return pattern == "*" || pattern == model_.body_names[body]
-            || pattern == scene_.bodies[source_body_[body]].name;
-    }
-
-    void apply_rule(const std::string& first,
-                    const std::string& second,
-                    const ContactPairRule& rule) {
-        const std::size_t n = model_.body_names.size();
-        for (std::size_t a = 0; a < n; ++a) {
-            if (!names(first, a)) continue;
-            for (std::size_t b = 0; b < n; ++b)
-                if (names(second, b))
-                    set_rule(rule,
-                             model_.pair_friction[a * n + b],
-                             model_.pair_enabled[a * n + b]);
-            for (std::size_t p = 0; p < model_.planes.size(); ++p)
-                if (second == "*" || second == model_.planes[p].name)
-                    set_rule(rule,
-                             model_.plane_friction[p * n + a],
-                             model_.plane_enabled[p * n + a]);
-        }
-    }
-
-    static void set_rule(const ContactPairRule& rule,
-                         double& friction,
-                         std::uint8_t& enabled) {
-        if (rule.friction) friction = *rule.friction;
-        if (rule.enabled) enabled = *rule.enabled ? 1 : 0;
-    }
-
-    void resolve_scales() {
-        constexpr double kInf = std::numeric_limits<double>::infinity();
-        Vec3d lo{kInf, kInf, kInf};
-        Vec3d hi{-kInf, -kInf, -kInf};
-        int with_mass = 0;
-        for (std::size_t v = 0; v < model_.x0.size(); ++v) {
-            if (model_.mass[v] <= 0.0) continue;
-            const Vec3d& p = model_.x0[v];
-            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-            model_.total_mass += model_.mass[v];
-            ++with_mass;
-        }
-        model_.mean_mass = with_mass > 0 ? model_.total_mass / with_mass : 0.0;
-        model_.diagonal = scene_.length_scale > 0.0
-                            ? scene_.length_scale
-                            : (with_mass > 0 ? norm(hi - lo) : 1.0);
-        const ContactSettings& contact = scene_.contact;
-        model_.dhat =
-            contact.dhat_absolute ? contact.dhat : contact.dhat * model_.diagonal;
-        model_.epsv =
-            contact.epsv_absolute ? contact.epsv : contact.epsv * model_.diagonal;
-    }
-
     void warn(const std::string& where, const std::string& message) {
         if (warnings_ != nullptr) warnings_->push_back({where, message});
     }
@@ -387,15 +295,6 @@ class Builder {
 };
 
 }  // namespace
-
-double Model::tolerance(const SolverSettings& solver, int k) const {
-    double relative = solver.tolerance;
-    if (!solver.tolerance_per_step.empty()) {
-        const std::size_t last = solver.tolerance_per_step.size() - 1;
-        relative = solver.tolerance_per_step[std::min(last, static_cast<std::size_t>(k))];
-    }
-    return solver.tolerance_absolute ? relative : relative * diagonal;
-}
 
 Result<Model> build_model(const Scene& scene, std::vector<SceneWarning>* warnings) {
     return Builder(scene, warnings).build();

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+/// Vectors and rotations of a scene as those of the model.
+
+#include "noli/scene.hpp"
+
 #include "core/vec.hpp"
 
 #include <cmath>
 #include <numbers>
 
 namespace noli {
+
+inline Vec3d to_vec3(const Vector3& v) {
+    return {v[0], v[1], v[2]};
+}
 
 /// Rx(d.x) Ry(d.y) Rz(d.z), angles in degrees: Rz acts first.
 inline Mat3d rotation_from_degrees(const Vec3d& d) {
