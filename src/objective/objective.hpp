@@ -15,6 +15,7 @@
 #include "objective/friction_terms.hpp"
 #include "objective/inertia.hpp"
 #include "objective/pair_terms.hpp"
+#include "objective/vector_loops.hpp"
 
 #include <array>
 #include <utility>
@@ -41,76 +42,7 @@ struct EnergyParts {
     std::array<Later, 6> barrier;  ///< PP, PE, PT, EE, mollified, half-spaces
 };
 
-/// Spring of a prescribed vertex that has to yield, in multiples of its inertia.
-inline constexpr double kYieldWeight = 1e6;
-
 namespace detail {
-
-template <class Exec>
-Later inertia_energy_sum(Exec& exec, InertiaViews in, View<const Vec3d> x) {
-    return exec.sum_later("objective/inertia_energy", x.size, [=] NOLI_HD(int v) {
-        return inertia_energy(in, x[v], v);
-    });
-}
-
-template <class Exec>
-void inertia_gradients(Exec& exec, InertiaViews in, View<const Vec3d> x, View<Vec3d> g) {
-    exec.for_each("objective/inertia_gradient", x.size, [=] NOLI_HD(int v) {
-        g[v] = inertia_gradient(in, x[v], v);
-    });
-}
-
-template <class Exec>
-void inertia_diagonals(Exec& exec, InertiaViews in, View<double> out) {
-    exec.for_each("objective/inertia_diagonal", out.size, [=] NOLI_HD(int v) {
-        out[v] = inertia_diagonal(in, v);
-    });
-}
-
-template <class Exec>
-void hold_by_springs(Exec& exec,
-                     View<const std::uint8_t> was_fixed,
-                     View<const std::uint8_t> fixed,
-                     View<const Vec3d> target,
-                     View<Vec3d> x_tilde,
-                     View<double> mass) {
-    exec.for_each("objective/hold_by_springs", mass.size, [=] NOLI_HD(int v) {
-        if (!was_fixed[v] || fixed[v]) return;
-        x_tilde[v] = target[v];
-        mass[v] *= kYieldWeight;
-    });
-}
-
-template <class Exec>
-void subtract(Exec& exec, View<const Vec3d> a, View<const Vec3d> b, View<Vec3d> out) {
-    exec.for_each(
-        "objective/subtract", out.size, [=] NOLI_HD(int v) { out[v] = a[v] - b[v]; });
-}
-
-template <class Exec>
-void add_scaled(Exec& exec, double s, View<const Vec3d> a, View<Vec3d> out) {
-    exec.for_each(
-        "objective/add_scaled", out.size, [=] NOLI_HD(int v) { out[v] += s * a[v]; });
-}
-
-template <class Exec>
-void set_zero(Exec& exec, View<Vec3d> out) {
-    exec.for_each("objective/set_zero", out.size, [=] NOLI_HD(int v) {
-        out[v] = {0.0, 0.0, 0.0};
-    });
-}
-
-template <class Exec>
-void set_zero(Exec& exec, View<double> out) {
-    exec.for_each(
-        "objective/set_zero_scalars", out.size, [=] NOLI_HD(int v) { out[v] = 0.0; });
-}
-
-template <class Exec>
-Later dot_sum(Exec& exec, View<const Vec3d> a, View<const Vec3d> b) {
-    return exec.sum_later(
-        "objective/dot", a.size, [=] NOLI_HD(int v) { return dot(a[v], b[v]); });
-}
 
 template <class Exec>
 void close_term_ranges(Exec& exec, View<int> first_mode, int num_modes) {
@@ -238,11 +170,7 @@ class Objective {
                                  matrix_);
         }
         if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(
-                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
-            damping_.multiply(exec, View<const Vec3d>(scratch_.view()), scratch2_.view());
-            detail::add_scaled(
-                exec, 1.0, View<const Vec3d>(scratch2_.view()), gradient_.view());
+            add_damping_gradient(exec, x, gradient_.view());
             matrix_.axpy(exec, 1.0, damping_);
         }
         fill_terms(exec, x, pairs, law, /*with_friction=*/true);
@@ -261,12 +189,7 @@ class Objective {
         elastic_gradients(exec, device_, x, scales_.h_sq, corners_);
         detail::inertia_gradients(exec, inertia(), x, other);
         gather_corners(exec, device_, corners_.view(), other);
-        if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(
-                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
-            damping_.multiply(exec, View<const Vec3d>(scratch_.view()), scratch2_.view());
-            detail::add_scaled(exec, 1.0, View<const Vec3d>(scratch2_.view()), other);
-        }
+        if (scales_.stiffness_damping > 0.0) add_damping_gradient(exec, x, other);
         law.barrier.kappa = 1.0;
         law.hessian = ContactHessian::GaussNewton;
         fill_terms(exec, x, pairs, law, /*with_friction=*/false);
@@ -391,6 +314,12 @@ class Objective {
                              diagonal_.view(),
                              {},
                              damping_);
+    }
+
+    void add_damping_gradient(Exec& exec, View<const Vec3d> x, View<Vec3d> out) {
+        detail::subtract(exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
+        damping_.multiply(exec, View<const Vec3d>(scratch_.view()), scratch2_.view());
+        detail::add_scaled(exec, 1.0, View<const Vec3d>(scratch2_.view()), out);
     }
 
     void fill_terms(Exec& exec,
