@@ -11,10 +11,9 @@
 #include "contact/pairs.hpp"
 #include "core/timer.hpp"
 #include "linear/block_matrix.hpp"
+#include "objective/contact_terms.hpp"
 #include "objective/elastic_assembly.hpp"
-#include "objective/friction_terms.hpp"
 #include "objective/inertia.hpp"
-#include "objective/pair_terms.hpp"
 #include "objective/vector_loops.hpp"
 
 #include <array>
@@ -42,17 +41,6 @@ struct EnergyParts {
     std::array<Later, 6> barrier;  ///< PP, PE, PT, EE, mollified, half-spaces
 };
 
-namespace detail {
-
-template <class Exec>
-void close_term_ranges(Exec& exec, View<int> first_mode, int num_modes) {
-    exec.for_each("objective/close_term_ranges", 1, [=] NOLI_HD(int) {
-        first_mode[first_mode.size - 1] = num_modes;
-    });
-}
-
-}  // namespace detail
-
 template <class Exec>
 class Objective {
   public:
@@ -63,7 +51,7 @@ class Objective {
         : elasticity_(model, pattern) {
         device_.upload(exec, model);
         matrix_.set_pattern(exec, pattern);
-        exec.upload(model_planes(model), planes_);
+        contacts_.upload(exec, model);
         const int n = model.num_vertices;
         gradient_.resize(n);
         diagonal_.resize(n);
@@ -86,8 +74,7 @@ class Objective {
         exec.copy(x_tilde, x_tilde_.view());
         exec.copy(View<const double>(device_.mass.view()), mass_.view());
         fixed_ = fixed;
-        friction_.resize(0);
-        friction_counts_ = {};
+        contacts_.begin_step(x_start_.view(), scales.friction_eps);
         if (scales.stiffness_damping > 0.0) update_damping(exec);
     }
 
@@ -108,8 +95,7 @@ class Objective {
                          const PairSet<Exec>& pairs,
                          View<const Vec3d> x,
                          const ContactLaw& law) {
-        lag_friction(exec, device_, pairs, planes_.view(), x, law.barrier, friction_);
-        friction_counts_ = counts_by_points(pairs);
+        contacts_.lag_friction_at(exec, device_, pairs, x, law.barrier);
     }
 
     /// E(x) with the active pairs of x, J times h^2-scale.
@@ -126,9 +112,8 @@ class Objective {
             out.damping =
                 damping_.quadratic_form_later(exec, View<const Vec3d>(scratch_.view()));
         }
-        out.friction = friction_energy_sum(
-            exec, friction_.view(), x, x_start_.view(), scales_.friction_eps);
-        out.barrier = barrier_energy_later(exec, x, pairs, law.barrier);
+        out.friction = contacts_.friction_energy_later(exec, x);
+        out.barrier = contacts_.barrier_energy_later(exec, x, pairs, law.barrier);
         return out;
     }
     double total(Exec& exec, const EnergyParts& parts) const {
@@ -149,7 +134,7 @@ class Objective {
                           View<const Vec3d> x,
                           const PairSet<Exec>& pairs,
                           BarrierParams params) {
-        return total(exec, barrier_energy_later(exec, x, pairs, params));
+        return total(exec, contacts_.barrier_energy_later(exec, x, pairs, params));
     }
 
     /// Gradient and Hessian at x: fills gradient(), matrix() and terms().
@@ -160,7 +145,7 @@ class Objective {
         detail::inertia_gradients(exec, inertia(), x, gradient_.view());
         detail::inertia_diagonals(exec, inertia(), diagonal_.view());
         {
-            const PhaseTimer timer(seconds_.elastic);
+            const PhaseTimer timer(elastic_seconds_);
             elasticity_.assemble(exec,
                                  device_,
                                  x,
@@ -173,8 +158,8 @@ class Objective {
             add_damping_gradient(exec, x, gradient_.view());
             matrix_.axpy(exec, 1.0, damping_);
         }
-        fill_terms(exec, x, pairs, law, /*with_friction=*/true);
-        terms_.gather_add(exec, term_gradients_.view(), gradient_.view());
+        contacts_.fill_terms(exec, x, pairs, law, /*with_friction=*/true);
+        contacts_.add_gradients(exec, gradient_.view());
     }
 
     /// Gradients of everything but the barrier (`other`) and of the barrier with kappa =
@@ -192,9 +177,9 @@ class Objective {
         if (scales_.stiffness_damping > 0.0) add_damping_gradient(exec, x, other);
         law.barrier.kappa = 1.0;
         law.hessian = ContactHessian::GaussNewton;
-        fill_terms(exec, x, pairs, law, /*with_friction=*/false);
+        contacts_.fill_terms(exec, x, pairs, law, /*with_friction=*/false);
         detail::set_zero(exec, barrier);
-        terms_.gather_add(exec, term_gradients_.view(), barrier);
+        contacts_.add_gradients(exec, barrier);
     }
 
     /// Largest friction_unrest (energy/friction.hpp) of the direction p at x among the
@@ -203,8 +188,7 @@ class Objective {
                           View<const Vec3d> x,
                           View<const Vec3d> p,
                           double weak) {
-        return largest_friction_unrest(
-            exec, friction_.view(), x, x_start_.view(), p, scales_.friction_eps, weak);
+        return contacts_.friction_unrest(exec, x, p, weak);
     }
 
     InversionLater inversion_bound_along(Exec& exec,
@@ -215,15 +199,20 @@ class Objective {
     }
 
     /// Seconds of all assemblies since the last call.
-    AssemblySeconds take_seconds() { return std::exchange(seconds_, {}); }
+    AssemblySeconds take_seconds() {
+        const ContactSeconds contact = contacts_.take_seconds();
+        return {std::exchange(elastic_seconds_, 0.0), contact.barrier, contact.friction};
+    }
     [[nodiscard]] View<const Vec3d> gradient() const { return gradient_.view(); }
     BlockMatrix<Exec>& matrix() { return matrix_; }
-    LowRankTerms<Exec>& terms() { return terms_; }
+    LowRankTerms<Exec>& terms() { return contacts_.terms(); }
     /// Per vertex: the multiple of the identity in matrix() that inertia puts there.
     [[nodiscard]] View<const double> inertia_diagonal() const { return diagonal_.view(); }
     [[nodiscard]] const DeviceModel<Exec>& device() const { return device_; }
     [[nodiscard]] const StepScales& scales() const { return scales_; }
-    [[nodiscard]] int num_friction_terms() const { return friction_.size(); }
+    [[nodiscard]] int num_friction_terms() const {
+        return contacts_.num_friction_terms();
+    }
 
     /// Minus the barrier and friction gradients per vertex over h^2: contact forces, N.
     void contact_forces(Exec& exec,
@@ -231,11 +220,11 @@ class Objective {
                         const PairSet<Exec>& pairs,
                         const ContactLaw& law,
                         View<Vec3d> out) {
-        fill_terms(exec, x, pairs, law, /*with_friction=*/true);
+        contacts_.fill_terms(exec, x, pairs, law, /*with_friction=*/true);
         detail::set_zero(exec, out);
         if (scales_.h_sq <= 0.0) return;
         detail::set_zero(exec, scratch_.view());
-        terms_.gather_add(exec, term_gradients_.view(), scratch_.view());
+        contacts_.add_gradients(exec, scratch_.view());
         detail::add_scaled(
             exec, -1.0 / scales_.h_sq, View<const Vec3d>(scratch_.view()), out);
     }
@@ -253,25 +242,6 @@ class Objective {
     }
 
   private:
-    static std::vector<CollisionMesh::Plane> model_planes(const Model& model) {
-        std::vector<CollisionMesh::Plane> planes;
-        for (const Model::Plane& plane : model.planes)
-            planes.push_back({plane.normal, plane.offset});
-        return planes;
-    }
-
-    std::array<Later, 6> barrier_energy_later(Exec& exec,
-                                              View<const Vec3d> x,
-                                              const PairSet<Exec>& pairs,
-                                              BarrierParams params) {
-        return {
-            pair_energy_sum<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, params),
-            pair_energy_sum<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params),
-            pair_energy_sum<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, params),
-            pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params),
-            mollified_energy_sum(exec, pairs.mollified.view(), x, params),
-            plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params)};
-    }
     static double total(Exec& exec, const std::array<Later, 6>& parts) {
         double sum = 0.0;
         for (const Later& part : parts)
@@ -282,22 +252,6 @@ class Objective {
     [[nodiscard]] InertiaViews inertia() const {
         return {
             mass_.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
-    }
-
-    /// Pairs on two, three, four points and one, in the order of their terms.
-    using PointCounts = std::array<int, 4>;
-    static PointCounts counts_by_points(const PairSet<Exec>& pairs) {
-        return {pairs.pp.size(),
-                pairs.pe.size(),
-                pairs.pt.size() + pairs.ee.size() + pairs.mollified.size(),
-                pairs.planes.size()};
-    }
-    static void add_runs(const PointCounts& counts, std::vector<TermRun>& runs) {
-        constexpr std::array<int, 4> kPoints{2, 3, 4, 1};
-        for (std::size_t k = 0; k < counts.size(); ++k) {
-            const int first = runs.empty() ? 0 : runs.back().first + runs.back().count;
-            runs.push_back({first, counts[k], kPoints[k]});
-        }
     }
 
     /// The elastic Hessian at the step's start, scaled so that its quadratic form of the
@@ -322,63 +276,7 @@ class Objective {
         detail::add_scaled(exec, 1.0, View<const Vec3d>(scratch2_.view()), out);
     }
 
-    void fill_terms(Exec& exec,
-                    View<const Vec3d> x,
-                    const PairSet<Exec>& pairs,
-                    const ContactLaw& law,
-                    bool with_friction) {
-        const int num_friction = with_friction ? friction_.size() : 0;
-        const int r2 = max_rank(PairKind::PointPoint, law.hessian);
-        const int r3 = max_rank(PairKind::PointEdge, law.hessian);
-        const int r4 = max_rank(PairKind::EdgeEdge, law.hessian);
-        const int rm = max_rank(law.mollified);
-        const int num_modes = r2 * pairs.pp.size() + r3 * pairs.pe.size()
-                            + r4 * (pairs.pt.size() + pairs.ee.size())
-                            + rm * pairs.mollified.size() + pairs.planes.size()
-                            + 2 * num_friction;
-        const int num_terms = pairs.size() + num_friction;
-        terms_.resize(num_terms, num_modes);
-        terms_.runs.clear();
-        add_runs(counts_by_points(pairs), terms_.runs);
-        if (with_friction) add_runs(friction_counts_, terms_.runs);
-        term_gradients_.resize(4 * num_terms);
-        TermRange at{terms_.vertices.view(),
-                     terms_.first_mode.view(),
-                     terms_.modes.view(),
-                     term_gradients_.view()};
-
-        const auto next = [&at](int count, int next_rank) {
-            at.term += count;
-            at.mode += count * at.rank;
-            at.rank = next_rank;
-        };
-        {
-            const PhaseTimer timer(seconds_.barrier);
-            next(0, r2);
-            fill_pair_terms<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, law, at);
-            next(pairs.pp.size(), r3);
-            fill_pair_terms<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, law, at);
-            next(pairs.pe.size(), r4);
-            fill_pair_terms<4>(
-                exec, PairKind::PointTriangle, pairs.pt.view(), x, law, at);
-            next(pairs.pt.size(), r4);
-            fill_pair_terms<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, law, at);
-            next(pairs.ee.size(), rm);
-            fill_mollified_terms(exec, pairs.mollified.view(), x, law, at);
-            next(pairs.mollified.size(), 1);
-            fill_plane_terms(exec, pairs.planes.view(), planes_.view(), x, law, at);
-        }
-        next(pairs.planes.size(), 2);
-        if (num_friction > 0) {
-            const PhaseTimer timer(seconds_.friction);
-            fill_friction_terms(
-                exec, friction_.view(), x, x_start_.view(), scales_.friction_eps, at);
-        }
-        detail::close_term_ranges(exec, terms_.first_mode.view(), num_modes);
-        terms_.build_incidence(exec, x.size);
-    }
-
-    AssemblySeconds seconds_;
+    double elastic_seconds_ = 0.0;
     DeviceModel<Exec> device_;
     ElasticAssembly<Exec> elasticity_;
     StepScales scales_;
@@ -386,12 +284,8 @@ class Objective {
     BlockMatrix<Exec> matrix_;
     BlockMatrix<Exec> damping_;
     bool has_damping_pattern_ = false;
-    LowRankTerms<Exec> terms_;
-    Buffer<FrictionTerm> friction_;
-    PointCounts friction_counts_{};
-    Buffer<CollisionMesh::Plane> planes_;
-    Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_,
-        term_gradients_;
+    ContactTerms<Exec> contacts_;
+    Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_;
     Buffer<double> mass_, diagonal_, per_tet_;
     View<const std::uint8_t> fixed_{};
 };

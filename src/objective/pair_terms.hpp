@@ -29,6 +29,13 @@ struct TermRange {
     int term = 0;
     int mode = 0;
     int rank = 0;
+
+    /// Goes on behind `count` terms, with terms of another rank.
+    void next(int count, int next_rank) {
+        term += count;
+        mode += count * rank;
+        rank = next_rank;
+    }
 };
 
 namespace detail {
