@@ -14,6 +14,7 @@
 #include "noli/simulator.hpp"
 
 #include "core/timer.hpp"
+#include "step/adaptive_law.hpp"
 #include "step/boundary_pace.hpp"
 #include "step/boundary_path.hpp"
 #include "step/collision.hpp"
@@ -39,17 +40,11 @@ class Newton {
           model_(model),
           settings_(settings),
           objective_(exec, model, pattern),
-          direction_(model, settings.solver.linear) {
+          direction_(model, settings.solver.linear),
+          law_(settings) {
         exec.upload(model.obstacle, obstacle_);
         p_.resize(model.num_vertices);
         x_trial_.resize(model.num_vertices);
-        law_ = {.barrier = {.dhat = settings.dhat,
-                            .kappa = settings.contact.kappa,
-                            .exponent = settings.contact.barrier_exponent,
-                            .curvature_cap = 0.0},
-                .hessian = hessian_of(settings.contact.hessian),
-                .mollified = hessian_of(settings.contact.mollifier)};
-        range_ = stiffness_range(settings);
         by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
         use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
                    && settings.solver.linear != LinearSolver::BlockJacobi;
@@ -68,29 +63,28 @@ class Newton {
         yielded_ = false;
         direction_.begin_step();
         objective_.begin_step(exec_, scales, x, x_tilde, fixed);
-        law_.hessian = hessian_of(settings_.contact.hessian);
+        law_.begin_step();
         {
             const PhaseTimer timer(report.t_pairs);
             collision_.begin_step(exec_, model_, model_.obstacle);
             collision_.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
             collision_.find_pairs_at(exec_, x, settings_.dhat, pairs_);
         }
-        if (settings_.contact.kappa <= 0.0)
-            law_.barrier.kappa = balanced_stiffness(exec_,
-                                                    objective_,
-                                                    x,
-                                                    fixed_,
-                                                    pairs_,
-                                                    law_,
-                                                    range_,
-                                                    p_.view(),
-                                                    x_trial_.view());
+        if (law_.adapts())
+            law_.set_kappa(balanced_stiffness(exec_,
+                                              objective_,
+                                              x,
+                                              fixed_,
+                                              pairs_,
+                                              law_.current(),
+                                              law_.range(),
+                                              p_.view(),
+                                              x_trial_.view()));
         lag_friction_at(x);
-        last_gap_ = HUGE_VAL;
     }
 
     void lag_friction_at(View<const Vec3d> x) {
-        if (settings_.has_friction) objective_.lag_friction_at(exec_, pairs_, x, law_);
+        if (settings_.has_friction) objective_.lag_friction_at(exec_, pairs_, x, law());
     }
 
     /// Minimises the incremental potential from x, with prescribed vertices going along
@@ -119,10 +113,10 @@ class Newton {
     Objective<Exec>& objective() { return objective_; }
     Collision<Exec>& collision() { return collision_; }
     [[nodiscard]] const PairSet<Exec>& pairs() const { return pairs_; }
-    [[nodiscard]] const ContactLaw& law() const { return law_; }
+    [[nodiscard]] const ContactLaw& law() const { return law_.current(); }
     /// True if prescribed vertices had to yield in this step.
     [[nodiscard]] bool yielded() const { return yielded_; }
-    void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
+    void set_kappa(double kappa) { law_.set_kappa(kappa); }
 
   private:
     /// Elastic energy densities are differences of terms of size mu and lambda, near rest
@@ -149,7 +143,7 @@ class Newton {
         assemble(x, report);
         record.energy = energy_;
         record.energy_after = energy_;
-        record.kappa = law_.barrier.kappa;
+        record.kappa = law().barrier.kappa;
         const bool arrived = direction_.find_remaining(exec_, fixed_, path, x) == 0.0;
         record.boundary_moved = !arrived && pace_.moves();
         if (!record.boundary_moved) direction_.hold_prescribed();
@@ -200,8 +194,8 @@ class Newton {
     void assemble(View<const Vec3d> x, StepReport& report) {
         const PhaseTimer timer(report.t_assemble);
         EnergyParts parts;
-        if (!energy_known_) parts = objective_.energy_later(exec_, x, pairs_, law_);
-        objective_.assemble(exec_, x, pairs_, law_);
+        if (!energy_known_) parts = objective_.energy_later(exec_, x, pairs_, law());
+        objective_.assemble(exec_, x, pairs_, law());
         if (!energy_known_) energy_ = objective_.total(exec_, parts);
         energy_known_ = true;
         const AssemblySeconds seconds = objective_.take_seconds();
@@ -346,7 +340,8 @@ class Newton {
                                 x_trial_.view());
             collision_.find_pairs_at(exec_, x_trial_.view(), settings_.dhat, pairs_);
             const Later gap = collision_.gap_at(exec_, pairs_, x_trial_.view());
-            const double energy = objective_.energy(exec_, x_trial_.view(), pairs_, law_);
+            const double energy =
+                objective_.energy(exec_, x_trial_.view(), pairs_, law());
             if (!search.accepts(energy, alpha)) continue;
             exec_.copy(View<const Vec3d>(x_trial_.view()), x);
             energy_ = energy;
@@ -373,15 +368,8 @@ class Newton {
         record.min_gap = gap;
         report.contacts = record.contacts;
         report.min_gap = gap;
-        const double tiny = std::sqrt(kTinyGapSq) * settings_.diagonal;
-        const bool adaptive = settings_.contact.kappa <= 0.0;
-        if (adaptive && gap < tiny && gap < last_gap_
-            && law_.barrier.kappa < range_.high) {
-            law_.barrier.kappa = std::min(2.0 * law_.barrier.kappa, range_.high);
-            energy_known_ = false;
-        }
-        last_gap_ = gap;
-        report.kappa = law_.barrier.kappa;
+        if (law_.stiffen(gap)) energy_known_ = false;
+        report.kappa = law().barrier.kappa;
     }
 
     /// Counts short steps; moves to a stronger contact Hessian, or gives up with the
@@ -389,11 +377,7 @@ class Newton {
     Progress judge_progress(const IterationRecord& record, StepReport& report) {
         stall_.add(record);
         pace_.add(record);
-        if (stall_.short_steps == kShortStepsBeforeSwitch && settings_.contact.strengthen
-            && law_.hessian < ContactHessian::Exact) {
-            law_.hessian = law_.hessian == ContactHessian::GaussNewton
-                             ? ContactHessian::GaussNewtonPlus
-                             : ContactHessian::Exact;
+        if (stall_.short_steps == kShortStepsBeforeSwitch && law_.strengthen()) {
             stall_.short_steps = 0;
             report.message =
                 "contact Hessian strengthened after short steps at " + record.limiting;
@@ -411,8 +395,7 @@ class Newton {
     Collision<Exec> collision_;
     DirectionSolver<Exec> direction_;
     PairSet<Exec> pairs_;
-    ContactLaw law_{};
-    StiffnessRange range_{};
+    AdaptiveLaw law_;
     StallDetector stall_;
     BoundaryPace pace_;
     View<const std::uint8_t> fixed_{};
@@ -424,7 +407,6 @@ class Newton {
     Buffer<Vec3d> p_, x_trial_;
     double energy_ = 0.0;
     bool energy_known_ = false;
-    double last_gap_ = HUGE_VAL;
 };
 
 }  // namespace noli
