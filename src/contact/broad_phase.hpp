@@ -274,25 +274,22 @@ class BroadPhase {
 };
 
 /// Every pair of primitives whose distance gets below `inflation` at some time of the
-/// motion x + t p, t in [0, alpha], and some that stay a little farther: those whose
-/// boxes do not. Left out: pairs that share a vertex, pairs of kinematic vertices alone,
-/// disabled body pairs. broad_phase.look_along(exec, mesh, x, p) has been called.
+/// motion, and some that stay a little farther: those whose boxes do not. Left out: pairs
+/// that share a vertex, pairs of kinematic vertices alone, disabled body pairs.
+/// broad_phase.look_along(exec, mesh, motion.x, motion.p) has been called.
 ///
-/// In:   x (num_vertices) m, p (num_vertices) m or empty for a static query,
-///       inflation >= 0 in m
+/// In:   motion (num_vertices) m, without p for a static query; inflation >= 0 in m
 /// Out:  sorted lists, equal for every executor, thread count and age of the trees
 template <class Exec>
 void find_candidates_seen(Exec& exec,
                           const DeviceCollisionMesh<Exec>& mesh,
                           BroadPhase<Exec>& broad_phase,
-                          View<const Vec3d> x,
-                          View<const Vec3d> p,
-                          double alpha,
+                          const Motion& motion,
                           double inflation,
                           Candidates<Exec>& out) {
     // Room for the rounding of x + alpha p and of differences of coordinates.
     const double gap = inflation * (1.0 + 1e-6);
-    broad_phase.find(exec, mesh, Motion{x, p, alpha}, gap, out);
+    broad_phase.find(exec, mesh, motion, gap, out);
 }
 
 /// The same, looking along the motion first.
@@ -300,13 +297,11 @@ template <class Exec>
 void find_candidates(Exec& exec,
                      const DeviceCollisionMesh<Exec>& mesh,
                      BroadPhase<Exec>& broad_phase,
-                     View<const Vec3d> x,
-                     View<const Vec3d> p,
-                     double alpha,
+                     const Motion& motion,
                      double inflation,
                      Candidates<Exec>& out) {
-    broad_phase.look_along(exec, mesh, x, p);
-    find_candidates_seen(exec, mesh, broad_phase, x, p, alpha, inflation, out);
+    broad_phase.look_along(exec, mesh, motion.x, motion.p);
+    find_candidates_seen(exec, mesh, broad_phase, motion, inflation, out);
 }
 
 }  // namespace noli

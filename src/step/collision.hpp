@@ -64,7 +64,7 @@ class Collision {
     void find_candidates_seen(
         Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double alpha, double dhat) {
         noli::find_candidates_seen(
-            exec, mesh_, broad_phase_, x, p, alpha, dhat, candidates_);
+            exec, mesh_, broad_phase_, {x, p, alpha}, dhat, candidates_);
     }
 
     /// Largest safe step in [0, alpha] over the candidates of that motion.

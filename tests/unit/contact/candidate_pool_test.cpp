@@ -37,7 +37,7 @@ std::vector<CandidateLists> follow(
         for (std::size_t i = 0; size > 0.0 && i < s.x.size(); ++i)
             p.push_back(random_vector(rng, size));
         if (size == 0.0) broad_phase.sort_at_next_search();
-        find_candidates(exec, mesh, broad_phase, s.view(), view_of(p), 0.9, gap, found);
+        find_candidates(exec, mesh, broad_phase, {s.view(), view_of(p), 0.9}, gap, found);
         all.push_back(lists_of(found));
         EXPECT_EQ(all.back(), candidates_of(exec, s, p, 0.9, gap));
         for (std::size_t i = 0; i < p.size(); ++i)
@@ -78,12 +78,12 @@ TEST(CandidatePool, ForgetsAnotherMesh) {
     mesh.upload(exec, s.mesh);
     BroadPhase<SerialExec> broad_phase;
     Candidates<SerialExec> found;
-    find_candidates(exec, mesh, broad_phase, s.view(), {}, 0.0, 0.2, found);
+    find_candidates(exec, mesh, broad_phase, {s.view(), {}, 0.0}, 0.2, found);
     ASSERT_GT(found.size(), 0);
     s.mesh.pair_enabled.assign(s.mesh.pair_enabled.size(), 0);
     mesh.upload(exec, s.mesh);
     broad_phase.forget();
-    find_candidates(exec, mesh, broad_phase, s.view(), {}, 0.0, 0.2, found);
+    find_candidates(exec, mesh, broad_phase, {s.view(), {}, 0.0}, 0.2, found);
     EXPECT_EQ(found.size(), 0);
 }
 

@@ -249,7 +249,8 @@ CandidateLists candidates_of(Exec& exec,
     BroadPhase<Exec> broad_phase;
     if (sort_at != nullptr) broad_phase.sort(exec, mesh.view(), view_of(*sort_at));
     Candidates<Exec> out;
-    find_candidates(exec, mesh, broad_phase, s.view(), view_of(p), alpha, inflation, out);
+    find_candidates(
+        exec, mesh, broad_phase, {s.view(), view_of(p), alpha}, inflation, out);
     return {to_vector(out.vertex_triangle.view()),
             to_vector(out.edge_edge.view()),
             to_vector(out.vertex_plane.view())};

@@ -49,7 +49,7 @@ PairLists pairs_of(Exec& exec, const Shape& s, double dhat) {
     mesh.upload(exec, s.mesh);
     BroadPhase<Exec> broad_phase;
     Candidates<Exec> candidates;
-    find_candidates(exec, mesh, broad_phase, s.view(), {}, 0.0, dhat, candidates);
+    find_candidates(exec, mesh, broad_phase, {s.view(), {}, 0.0}, dhat, candidates);
     PairSet<Exec> pairs;
     FindPairsWork<Exec> work;
     find_pairs(exec, mesh, candidates, s.view(), dhat, work, pairs);
@@ -221,7 +221,7 @@ TEST(Pairs, ANanPositionIsNotHiddenByTheGap) {
     mesh.upload(exec, s.mesh);
     BroadPhase<SerialExec> broad_phase;
     Candidates<SerialExec> candidates;
-    find_candidates(exec, mesh, broad_phase, s.view(), {}, 0.0, 0.1, candidates);
+    find_candidates(exec, mesh, broad_phase, {s.view(), {}, 0.0}, 0.1, candidates);
     PairSet<SerialExec> pairs;
     FindPairsWork<SerialExec> work;
     find_pairs(exec, mesh, candidates, s.view(), 0.1, work, pairs);

@@ -20,7 +20,7 @@ StepBound bound_of(Exec& exec,
     BroadPhase<Exec> broad_phase;
     Candidates<Exec> candidates;
     find_candidates(
-        exec, mesh, broad_phase, s.view(), view_of(p), 1.0, inflation, candidates);
+        exec, mesh, broad_phase, {s.view(), view_of(p), 1.0}, inflation, candidates);
     StepBoundWork<Exec> work;
     return step_bound(exec, mesh, candidates, s.view(), view_of(p), 1.0, params, work);
 }
