@@ -151,8 +151,9 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
     /// g(f(0) + ... + f(n-1)), added in an order that only n determines. g is part of the
     /// loop: it runs once, and on a device the sum does not come to the host.
     template <class F, class G>
-    void sum_then(const char* /*name*/, int n, F f, G g) {
-        g(reduce(n, 0.0, f, [](double a, double b) { return a + b; }));
+    void sum_then(const char* /*name*/, int n, F f, G g, int grain = kSumGrain) {
+        g(reduce(
+            n, 0.0, f, [](double a, double b) { return a + b; }, grain));
     }
 
     /// g(smallest f(i)): +infinity when n is 0. A NaN anywhere gives NaN.
@@ -160,7 +161,11 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
     void min_then(const char* /*name*/, int n, F f, G g) {
         constexpr double kNone = std::numeric_limits<double>::infinity();
         g(reduce(
-            n, kNone, f, [](double a, double b) { return (b < a || b != b) ? b : a; }));
+            n,
+            kNone,
+            f,
+            [](double a, double b) { return (b < a || b != b) ? b : a; },
+            kSumGrain));
     }
 
     /// Loops that run again and again without a word from the host between them.
@@ -227,7 +232,7 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
 
   private:
     template <class F, class Combine>
-    double reduce(int n, double start, F f, Combine combine) {
+    double reduce(int n, double start, F f, Combine combine, int grain) {
         constexpr int kChunk =
             128;  // fixed: the split must not depend on the thread count
         const int chunks = (n + kChunk - 1) / kChunk;
@@ -241,7 +246,9 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
         if (chunks <= 1) return reduce_chunk(0);
         partial_.resize(static_cast<std::size_t>(chunks));
         double* partial = partial_.data();
-        Order::run(chunks, 1, [&](int c) { partial[c] = reduce_chunk(c); });
+        Order::run(chunks, std::max(1, grain / kChunk), [&](int c) {
+            partial[c] = reduce_chunk(c);
+        });
         double acc = start;
         for (int c = 0; c < chunks; ++c)
             acc = combine(acc, partial[c]);

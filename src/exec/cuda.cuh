@@ -110,7 +110,7 @@ class CudaExec : public LaterNumbers<CudaExec, CudaBuffer<double>> {
     }
 
     template <class F, class G>
-    void sum_then(const char* name, int n, F f, G g) {
+    void sum_then(const char* name, int n, F f, G g, int /*grain*/ = 0) {
         reduce_then(name, n, 0.0, detail::Add{}, f, g);
     }
 

@@ -26,6 +26,9 @@ struct Later {
 
 inline constexpr int kNumLater = 256;
 
+/// A sum adds a few numbers per item.
+inline constexpr int kSumGrain = 1024;
+
 namespace detail {
 
 struct StoreNumber {
@@ -56,11 +59,12 @@ template <class Exec, class NumberBuffer>
 class LaterNumbers {
   public:
     /// f(0) + ... + f(n-1), added in an order that only n determines.
+    /// `grain` is the least number of items worth a task.
     template <class F>
-    Later sum_later(const char* name, int n, F f) {
+    Later sum_later(const char* name, int n, F f, int grain = kSumGrain) {
         if (n == 0) return {};
         const Later out = next(1);
-        self().sum_then(name, n, f, detail::StoreNumber{place(out)});
+        self().sum_then(name, n, f, detail::StoreNumber{place(out)}, grain);
         return out;
     }
     /// Smallest f(i); +infinity when n is 0. A NaN anywhere gives NaN.

@@ -25,18 +25,20 @@ class RadixSort {
         List<Key> from{keys.data, values.data};
         List<Key> to{reinterpret_cast<Key*>(key_bytes_.view().data),
                      other_values_.view().data};
-        for (unsigned shift = 0; shift < 8 * sizeof(Key); shift += 8)
-            if (count_digits(from, n, shift)) {
-                scatter(from, to, n, shift);
-                std::swap(from, to);
-            }
+        const Key varying = varying_bits(View<const Key>(keys));
+        for (unsigned shift = 0; shift < 8 * sizeof(Key); shift += 8) {
+            if (digit(varying, shift) == 0) continue;
+            count_digits(from, n, shift);
+            scatter(from, to, n, shift);
+            std::swap(from, to);
+        }
         if (from.keys == keys.data) return;
         std::copy(from.keys, from.keys + n, keys.data);
         std::copy(from.values, from.values + n, values.data);
     }
 
   private:
-    static constexpr int kLeastPart = 2048;
+    static constexpr int kLeastPart = 32768;  ///< shorter ones are not worth a task
     static constexpr int kMostParts = 16;
     static constexpr std::size_t kDigits = 256;
 
@@ -57,30 +59,37 @@ class RadixSort {
         return static_cast<std::size_t>((key >> shift) & (kDigits - 1));
     }
 
-    /// Counts become places; false when all keys have the same digit.
+    /// Bits in which not all keys agree.
     template <class Key>
-    bool count_digits(const List<Key>& from, int n, unsigned shift) {
+    static Key varying_bits(View<const Key> keys) {
+        Key bits = 0;
+        for (const Key key : keys)
+            bits |= key ^ keys[0];
+        return bits;
+    }
+
+    /// Counts of each part, then the places that they give.
+    template <class Key>
+    void count_digits(const List<Key>& from, int n, unsigned shift) {
         Order::run(parts_, 1, [&](int part) {
             auto& count = count_of(part);
+            const int end = bound(part + 1, n);
             count.fill(0);
-            for (int i = bound(part, n); i < bound(part + 1, n); ++i)
+            for (int i = bound(part, n); i < end; ++i)
                 ++count[digit(from.keys[i], shift)];
         });
         int place = 0;
-        for (std::size_t d = 0; d < kDigits; ++d) {
-            const int first = place;
+        for (std::size_t d = 0; d < kDigits; ++d)
             for (int part = 0; part < parts_; ++part)
                 place += std::exchange(count_of(part)[d], place);
-            if (place - first == n) return false;
-        }
-        return true;
     }
 
     template <class Key>
     void scatter(const List<Key>& from, const List<Key>& to, int n, unsigned shift) {
         Order::run(parts_, 1, [&](int part) {
             auto& place = count_of(part);
-            for (int i = bound(part, n); i < bound(part + 1, n); ++i) {
+            const int end = bound(part + 1, n);
+            for (int i = bound(part, n); i < end; ++i) {
                 const int at = place[digit(from.keys[i], shift)]++;
                 to.keys[at] = from.keys[i];
                 to.values[at] = from.values[i];

@@ -163,10 +163,15 @@ Later friction_energy_sum(Exec& exec,
                           View<const Vec3d> x,
                           View<const Vec3d> x_start,
                           double eps) {
-    return exec.sum_later("objective/friction_energy", terms.size, [=] NOLI_HD(int i) {
-        const FrictionTerm& term = terms[i];
-        return friction_energy(term.basis, detail::moved(term, x, x_start), term.mu, eps);
-    });
+    return exec.sum_later(
+        "objective/friction_energy",
+        terms.size,
+        [=] NOLI_HD(int i) {
+            const FrictionTerm& term = terms[i];
+            return friction_energy(
+                term.basis, detail::moved(term, x, x_start), term.mu, eps);
+        },
+        detail::kPairGrain);
 }
 
 /// Largest friction_unrest of the direction p among the terms with mu lambda_N of at

@@ -40,8 +40,8 @@ struct TermRange {
 
 namespace detail {
 
-/// A pair takes about a microsecond: few of them are worth a task.
-inline constexpr int kPairGrain = 8;
+/// A pair takes about a microsecond, to start a task on a distant core some ten.
+inline constexpr int kPairGrain = 64;
 
 template <int S>
 struct PairIndex;
@@ -112,9 +112,13 @@ Later pair_energy_sum(Exec& exec,
                       View<const typename detail::PairIndex<S>::Type> pairs,
                       View<const Vec3d> x,
                       BarrierParams params) {
-    return exec.sum_later("objective/pair_energy", pairs.size, [=] NOLI_HD(int i) {
-        return pair_energy(kind, detail::load_stencil<S>(x, pairs[i]), params);
-    });
+    return exec.sum_later(
+        "objective/pair_energy",
+        pairs.size,
+        [=] NOLI_HD(int i) {
+            return pair_energy(kind, detail::load_stencil<S>(x, pairs[i]), params);
+        },
+        detail::kPairGrain);
 }
 
 namespace detail {
@@ -190,12 +194,16 @@ Later mollified_energy_sum(Exec& exec,
                            View<const MollifiedPair> pairs,
                            View<const Vec3d> x,
                            BarrierParams params) {
-    return exec.sum_later("objective/mollified_energy", pairs.size, [=] NOLI_HD(int i) {
-        return mollified_energy(detail::mollified_case(pairs[i]),
-                                detail::load_stencil<4>(x, pairs[i].v),
-                                pairs[i].eps_cross,
-                                params);
-    });
+    return exec.sum_later(
+        "objective/mollified_energy",
+        pairs.size,
+        [=] NOLI_HD(int i) {
+            return mollified_energy(detail::mollified_case(pairs[i]),
+                                    detail::load_stencil<4>(x, pairs[i].v),
+                                    pairs[i].eps_cross,
+                                    params);
+        },
+        detail::kPairGrain);
 }
 
 namespace detail {

@@ -153,7 +153,7 @@ class DeviceLikeExec : public LaterNumbers<DeviceLikeExec, ClosedBuffer<double>>
         host_.for_warps(name, n, f);
     }
     template <class F, class G>
-    void sum_then(const char* name, int n, F f, G g) {
+    void sum_then(const char* name, int n, F f, G g, int /*grain*/ = 0) {
         const DeviceMemory::Open open;
         ++traffic().launches;
         host_.sum_then(name, n, f, g);
