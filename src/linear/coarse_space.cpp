@@ -351,7 +351,8 @@ void CoarseSpace::renew(
             const std::size_t row = 4 * at(i);
             Double4 out = wide(y + row) + beta * wide(t + row);
             if (const int own = aggregate[i]; own >= 0)
-                out += three_lanes(moved(modes + at(kBlock) * at(i), c + kModes * own));
+                out +=
+                    three_lanes(moved(modes + at(kBlock) * at(i), c + at(kModes * own)));
             wide(t + row) = out;
         }
     });
@@ -374,7 +375,7 @@ void CoarseSpace::renew_split(const double* r,
             const std::size_t row = 4 * at(i);
             Double4 pulled{};
             for (int e = first[i]; e < first[i + 1]; ++e)
-                pulled += moved(pull + at(kBlock) * at(e), c + kModes * aggregate[e]);
+                pulled += moved(pull + at(kBlock) * at(e), c + at(kModes * aggregate[e]));
             wide(s + row) = wide(r + row) - wide(y + row) + three_lanes(pulled)
                           + beta * wide(s + row);
         }

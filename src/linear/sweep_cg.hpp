@@ -216,7 +216,7 @@ class SweepCg {
         Team* team = Team::current();
         if (team == nullptr || team->threads() == 1) return iterate(exec, at);
         double seconds = 0.0;
-        bool positive;
+        bool positive = false;
         {
             const PhaseTimer timer(seconds);
             team->share(sharing_.shared());
