@@ -65,6 +65,18 @@ TEST_P(TeamOf, SharesALongLoopAmongAllThreads) {
               static_cast<std::size_t>(GetParam()));
 }
 
+TEST_P(TeamOf, LeavesLoopsToItsLeaderWhenTheyAreNotShared) {
+    Team team(GetParam());
+    const TeamScope scope(team);
+    std::vector<int> visits(1000, 0);
+    team.share(false);
+    EXPECT_EQ(run_loop(team, 1000, 1, visits), (std::vector<Range>{{0, 1000}}));
+    team.share(true);
+    EXPECT_EQ(run_loop(team, 1000, 1, visits).size(),
+              static_cast<std::size_t>(GetParam()));
+    EXPECT_EQ(std::count(visits.begin(), visits.end(), 2), 1000);
+}
+
 TEST_P(TeamOf, SeesInEachLoopWhatAllThreadsWroteInTheLastOne) {
     Team team(GetParam());
     const TeamScope scope(team);
