@@ -2,10 +2,10 @@
 #pragma once
 /// Whether short loops are faster on all threads or on one: nobody knows beforehand.
 ///
-/// What a shared loop costs depends on how far apart the cores are (a word that one core
-/// writes and another reads takes 0.1 to 0.6 microseconds) and on what else the machine
-/// does. So a piece of work that is repeated is timed both ways, now and then. Results
-/// never depend on the choice.
+/// What a shared loop costs depends on how far apart the cores are (a word went there and
+/// back in half a microsecond where it was measured) and on what else the machine does.
+/// So a piece of work that is repeated is timed both ways, now and then. Results never
+/// depend on the choice.
 
 #include <algorithm>
 
