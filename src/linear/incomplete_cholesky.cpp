@@ -212,13 +212,14 @@ inline __attribute__((always_inline)) double backward_rows(const ColouredOperato
                                                            const double* r,
                                                            double* y) {
     Double4 ry{};
-    const int* upper_begin = rows.upper_begin.data() + (rows.num_rows() - 1);
+    const int num_rows = rows.num_rows();
+    const int* upper_begin = rows.upper_begin.data();
     const int* col = rows.upper_col.data();
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
-        const int last = upper_begin[1 - i];
-        const float* m = upper + 9 * at(upper_begin[-i]);
-        for (int p = upper_begin[-i]; p < last; ++p, m += 9)
+        const int place = num_rows - 1 - i;  // the last row comes first
+        const float* m = upper + 9 * at(upper_begin[place]);
+        for (int p = upper_begin[place]; p < upper_begin[place + 1]; ++p, m += 9)
             sums.add(m, y + 4 * at(col[p]));
         double* row = y + 4 * at(i);
         const Vec3d d = pivot_inverse[i] * Vec3d{row[0], row[1], row[2]};
