@@ -2,25 +2,24 @@
 #pragma once
 /// The Newton loop of one time step. Source: MATH 8, with these differences:
 ///   * the stopping test looks at the direction just found, not at the one before, and
-///   that
-///     direction is still applied;
+///     that direction is still applied;
 ///   * prescribed vertices take part in the direction (see direction.hpp), so in
-///   iterations in
-///     which they still move the energy may rise; in all others it must not;
+///     iterations in which they still move the energy may rise; in all others it must
+///     not;
 ///   * contact candidates are found once per iteration, for the whole swept motion, and
-///   serve the
-///     step bound and all line-search trials.
+///     serve the step bound and all line-search trials.
+///
+/// An iteration: assemble (newton_state.hpp), find the direction (newton_direction.hpp),
+/// bound the step and search along it (newton_search.hpp), judge what came of it (here).
 
 #include "noli/simulator.hpp"
 
 #include "core/timer.hpp"
-#include "step/adaptive_law.hpp"
 #include "step/boundary_pace.hpp"
 #include "step/boundary_path.hpp"
-#include "step/collision.hpp"
-#include "step/direction.hpp"
-#include "step/line_search.hpp"
-#include "step/sound_travel.hpp"
+#include "step/newton_direction.hpp"
+#include "step/newton_search.hpp"
+#include "step/newton_state.hpp"
 #include "step/stiffness.hpp"
 #include "step/trouble.hpp"
 
@@ -29,9 +28,6 @@ namespace noli {
 template <class Exec>
 class Newton {
   public:
-    template <class T>
-    using Buffer = typename Exec::template Buffer<T>;
-
     Newton(Exec& exec,
            const Model& model,
            const BlockPattern& pattern,
@@ -39,18 +35,14 @@ class Newton {
         : exec_(exec),
           model_(model),
           settings_(settings),
-          objective_(exec, model, pattern),
-          direction_(model, settings.solver.linear),
-          law_(settings) {
+          state_(exec, model, pattern, settings),
+          direction_(exec, model, settings, state_),
+          search_(exec, model, settings, state_) {
         exec.upload(model.obstacle, obstacle_);
-        p_.resize(model.num_vertices);
-        x_trial_.resize(model.num_vertices);
-        by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
-        use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
-                   && settings.solver.linear != LinearSolver::BlockJacobi;
-        for (std::size_t t = 0; t < model.tets.size(); ++t)
-            stiffness_sum_ += model.volume[t] * (model.mu[t] + model.lambda[t]);
     }
+    /// Its parts point to each other.
+    Newton(const Newton&) = delete;
+    Newton& operator=(const Newton&) = delete;
 
     /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged
     /// friction.
@@ -59,32 +51,34 @@ class Newton {
                     View<const Vec3d> x,
                     View<const Vec3d> x_tilde,
                     StepReport& report) {
-        fixed_ = fixed;
+        state_.fixed = fixed;
         yielded_ = false;
         direction_.begin_step();
-        objective_.begin_step(exec_, scales, x, x_tilde, fixed);
-        law_.begin_step();
+        state_.objective.begin_step(exec_, scales, x, x_tilde, fixed);
+        state_.law.begin_step();
         {
             const PhaseTimer timer(report.t_pairs);
-            collision_.begin_step(exec_, model_, model_.obstacle);
-            collision_.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
-            collision_.find_pairs_at(exec_, x, settings_.dhat, pairs_);
+            Collision<Exec>& collision = state_.collision;
+            collision.begin_step(exec_, model_, model_.obstacle);
+            collision.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
+            collision.find_pairs_at(exec_, x, settings_.dhat, state_.pairs);
         }
-        if (law_.adapts())
-            law_.set_kappa(balanced_stiffness(exec_,
-                                              objective_,
-                                              x,
-                                              fixed_,
-                                              pairs_,
-                                              law_.current(),
-                                              law_.range(),
-                                              p_.view(),
-                                              x_trial_.view()));
+        if (state_.law.adapts())
+            state_.law.set_kappa(balanced_stiffness(exec_,
+                                                    state_.objective,
+                                                    x,
+                                                    state_.fixed,
+                                                    state_.pairs,
+                                                    state_.law.current(),
+                                                    state_.law.range(),
+                                                    state_.p.view(),
+                                                    state_.x_trial.view()));
         lag_friction_at(x);
     }
 
     void lag_friction_at(View<const Vec3d> x) {
-        if (settings_.has_friction) objective_.lag_friction_at(exec_, pairs_, x, law());
+        if (settings_.has_friction)
+            state_.objective.lag_friction_at(exec_, state_.pairs, x, law());
     }
 
     /// Minimises the incremental potential from x, with prescribed vertices going along
@@ -96,7 +90,7 @@ class Newton {
                      StepReport& report) {
         stall_ = {};
         pace_ = {};
-        energy_known_ = false;
+        state_.energy_known = false;
         for (int k = 0; k < settings_.solver.max_newton; ++k) {
             IterationRecord record;
             record.iteration = report.newton;
@@ -110,25 +104,15 @@ class Newton {
         return Outcome::MaxIterations;
     }
 
-    Objective<Exec>& objective() { return objective_; }
-    Collision<Exec>& collision() { return collision_; }
-    [[nodiscard]] const PairSet<Exec>& pairs() const { return pairs_; }
-    [[nodiscard]] const ContactLaw& law() const { return law_.current(); }
+    Objective<Exec>& objective() { return state_.objective; }
+    Collision<Exec>& collision() { return state_.collision; }
+    [[nodiscard]] const PairSet<Exec>& pairs() const { return state_.pairs; }
+    [[nodiscard]] const ContactLaw& law() const { return state_.law.current(); }
     /// True if prescribed vertices had to yield in this step.
     [[nodiscard]] bool yielded() const { return yielded_; }
-    void set_kappa(double kappa) { law_.set_kappa(kappa); }
+    void set_kappa(double kappa) { state_.law.set_kappa(kappa); }
 
   private:
-    /// Elastic energy densities are differences of terms of size mu and lambda, near rest
-    /// too: their rounding error is about this share of them.
-    static constexpr double kElasticRounding = 2.3e-16;
-
-    /// Of a direction, on their way to the host.
-    struct DirectionFigures {
-        Later gradient, slope, unrest;
-        InversionLater inversion;
-    };
-
     struct Progress {
         bool ended = false;
         Outcome outcome = Outcome::Converged;
@@ -139,16 +123,16 @@ class Newton {
                      View<Vec3d> x,
                      IterationRecord& record,
                      StepReport& report) {
-        direction_.look_ahead(exec_, fixed_, path, x);
-        assemble(x, report);
-        record.energy = energy_;
-        record.energy_after = energy_;
+        direction_.look_ahead(path, x);
+        state_.assemble(exec_, x, report);
+        record.energy = state_.energy;
+        record.energy_after = state_.energy;
         record.kappa = law().barrier.kappa;
-        const bool arrived = direction_.find_remaining(exec_, fixed_, path, x) == 0.0;
+        const bool arrived = direction_.arrives(path, x);
         record.boundary_moved = !arrived && pace_.moves();
         if (!record.boundary_moved) direction_.hold_prescribed();
-        const DirectionResult solved =
-            solve_direction(x, arrived ? tolerance * settings_.dt : 0.0, record, report);
+        const double small = arrived ? tolerance * settings_.dt : 0.0;
+        const DirectionResult solved = direction_.solve(x, small, pace_, record, report);
         if (!solved.ok) {
             report.message = solved.trouble;
             return {true, Outcome::LinearSolverFailed};
@@ -157,18 +141,18 @@ class Newton {
             arrived && (solved.fine || settings_.solver.gradient_tolerance > 0.0);
         const DirectionFigures figures = [&] {
             const PhaseTimer timer(report.t_ccd);
-            return measure_direction(x, may_end, tolerance, record);
+            return direction_.measure(x, may_end, tolerance, record);
         }();
-        if (!(record.direction < HUGE_VAL) || !(energy_ < HUGE_VAL)) {
+        if (!(record.direction < HUGE_VAL) || !(state_.energy < HUGE_VAL)) {
             report.message =
-                describe_not_finite(record.direction, energy_, report.newton);
+                describe_not_finite(record.direction, state_.energy, report.newton);
             return {true, Outcome::NumericalTrouble};
         }
         const bool converged = may_end && small_enough(record, tolerance)
                             && exec_.value(figures.unrest) <= kFrictionUnrest;
-        bound_step(x, figures.inversion, record, report);
+        search_.bound_step(x, figures.inversion, record, report);
         const bool moved =
-            search(x, converged, exec_.value(figures.slope), record, report);
+            search_.search(x, converged, exec_.value(figures.slope), record, report);
         if (converged) return {true, Outcome::Converged};
         if (!moved && pace_.retry_more_exactly()) return {};
         if (!moved) {
@@ -190,186 +174,17 @@ class Newton {
             <= bound * settings_.diagonal * settings_.dt * settings_.dt;
     }
 
-    /// Gradient, operator and, where it is not known yet, the energy.
-    void assemble(View<const Vec3d> x, StepReport& report) {
-        const PhaseTimer timer(report.t_assemble);
-        EnergyParts parts;
-        if (!energy_known_) parts = objective_.energy_later(exec_, x, pairs_, law());
-        objective_.assemble(exec_, x, pairs_, law());
-        if (!energy_known_) energy_ = objective_.total(exec_, parts);
-        energy_known_ = true;
-        const AssemblySeconds seconds = objective_.take_seconds();
-        report.t_elastic += seconds.elastic;
-        report.t_barrier += seconds.barrier;
-        report.t_friction += seconds.friction;
-    }
-
-    /// All that the direction is asked for, started together. `unrest` tells whether it
-    /// is decided which pairs stick, where Newton may end: the tolerance may be far
-    /// coarser than the slip epsv dt over which friction builds up. Pairs that can move a
-    /// mean vertex by no more than a hundredth of the tolerance have no say.
-    DirectionFigures measure_direction(View<const Vec3d> x,
-                                       bool may_end,
-                                       double tolerance,
-                                       IterationRecord& record) {
-        const View<const Vec3d> p = p_.view();
-        const Later size = detail::max_component(exec_, p);
-        DirectionFigures out;
-        if (settings_.record_iterations || settings_.solver.gradient_tolerance > 0.0)
-            out.gradient =
-                detail::max_free_component(exec_, objective_.gradient(), fixed_);
-        out.slope = detail::dot_sum(exec_, objective_.gradient(), p);
-        const double weak = 0.01 * tolerance * settings_.dt * settings_.mean_mass;
-        if (may_end) out.unrest = objective_.friction_unrest(exec_, x, p, weak);
-        out.inversion = objective_.inversion_bound_along(exec_, x, p, kKeepVolume);
-        collision_.look_along(exec_, x, p);
-        record.direction = exec_.value(size);
-        record.gradient = exec_.value(out.gradient);
-        return out;
-    }
-
     /// Prescribed vertices of elastic bodies that something blocks are held by springs
     /// from here on (docs/decisions/001-boundary-by-elimination.md); those of obstacles
     /// are not.
     void yield_boundary(View<const Vec3d> target) {
         const View<const std::uint8_t> obstacle = obstacle_.view();
-        objective_.yield(exec_, fixed_, obstacle, target);
-        fixed_ = obstacle;
+        state_.objective.yield(exec_, state_.fixed, obstacle, target);
+        state_.fixed = obstacle;
         yielded_ = true;
-        energy_known_ = false;
+        state_.energy_known = false;
         stall_ = {};
         pace_ = {};
-    }
-
-    /// `small` is the size of a direction, m, below which Newton may end.
-    DirectionResult solve_direction(View<const Vec3d> x,
-                                    double small,
-                                    IterationRecord& record,
-                                    StepReport& report) {
-        const PhaseTimer timer(report.t_solve);
-        DirectionResult solved = direction_.solve(exec_,
-                                                  objective_,
-                                                  fixed_,
-                                                  settings_.solver,
-                                                  pcg_options(x, small, record),
-                                                  p_);
-        ++report.newton;
-        report.pcg += solved.iterations;
-        record.pcg = solved.iterations;
-        return solved;
-    }
-
-    /// Far from the solution a rough direction serves as well as an exact one; a
-    /// direction that may be the last is found to the fine tolerance before it is
-    /// believed.
-    PcgOptions pcg_options(View<const Vec3d> x,
-                           double small,
-                           const IterationRecord& record) {
-        const double asked = settings_.solver.pcg_tolerance;
-        PcgOptions options{.max_iterations = settings_.solver.max_pcg,
-                           .preconditioner = preconditioner(),
-                           .contacts_by_warps = by_warps_,
-                           .inertia = objective_.inertia_diagonal()};
-        if (use_coarse_) options.positions = x;
-        if (asked > 0.0) {
-            options.tolerance = pace_.tolerance(asked, record.boundary_moved);
-            return options;
-        }
-        options.test = PcgOptions::Test::Energy;
-        options.tolerance = pace_.tolerance(kRoughDirection, record.boundary_moved);
-        options.fine_tolerance = std::min(kFineDirection, options.tolerance);
-        options.refine = [this, small](View<const Vec3d> p) {
-            return exec_.value(detail::max_component(exec_, p)) < small;
-        };
-        return options;
-    }
-
-    [[nodiscard]] PreconditionerKind preconditioner() const {
-        switch (settings_.solver.linear) {
-            case LinearSolver::BlockJacobi:
-                return PreconditionerKind::BlockJacobi;
-            case LinearSolver::IncompleteCholesky:
-                return PreconditionerKind::IncompleteCholesky;
-            default:
-                return PreconditionerKind::GaussSeidel;
-        }
-    }
-
-    /// Largest step without inversion and without collision; candidates of that motion.
-    void bound_step(View<const Vec3d> x,
-                    const InversionLater& inverting,
-                    IterationRecord& record,
-                    StepReport& report) {
-        const View<const Vec3d> p = p_.view();
-        const InversionBound inversion = inverting.value(exec_);
-        record.step_bound = inversion.alpha;
-        if (inversion.tet >= 0) record.limiting = describe_tet(model_, inversion.tet);
-        {
-            const PhaseTimer timer(report.t_pairs);
-            collision_.find_candidates_seen(
-                exec_, x, p, record.step_bound, settings_.dhat);
-        }
-        const PhaseTimer timer(report.t_ccd);
-        const StepBound bound = collision_.bound(
-            exec_, x, p, record.step_bound, settings_.contact.min_separation);
-        if (bound.alpha < record.step_bound) {
-            record.step_bound = bound.alpha;
-            record.limiting = describe_bound(model_, bound);
-        }
-    }
-
-    /// Backtracks until the energy does not rise (or boundary motion makes that moot),
-    /// then takes the step. False if no step was found; x then stays.
-    bool search(View<Vec3d> x,
-                bool converged,
-                double slope,
-                IterationRecord& record,
-                StepReport& report) {
-        const PhaseTimer timer(report.t_search);
-        LineSearch search{
-            .energy_before = energy_,
-            .slope = slope,
-            .rounding = kElasticRounding * objective_.scales().h_sq * stiffness_sum_,
-            .may_rise = record.boundary_moved};
-        double alpha = record.step_bound;
-        for (; search.halvings < kMaxHalvings; ++search.halvings, alpha *= 0.5) {
-            detail::trial_point(exec_,
-                                View<const Vec3d>(x),
-                                View<const Vec3d>(p_.view()),
-                                alpha,
-                                x_trial_.view());
-            collision_.find_pairs_at(exec_, x_trial_.view(), settings_.dhat, pairs_);
-            const Later gap = collision_.gap_at(exec_, pairs_, x_trial_.view());
-            const double energy =
-                objective_.energy(exec_, x_trial_.view(), pairs_, law());
-            if (!search.accepts(energy, alpha)) continue;
-            exec_.copy(View<const Vec3d>(x_trial_.view()), x);
-            energy_ = energy;
-            record.energy_after = energy;
-            record.step = alpha;
-            record.halvings = search.halvings;
-            record.noise_accepted = search.noise_accepted;
-            finish_iteration(exec_.value(gap), record, report);
-            return true;
-        }
-        record.step = 0.0;
-        record.halvings = search.halvings;
-        collision_.find_pairs_at(exec_, View<const Vec3d>(x), settings_.dhat, pairs_);
-        if (converged)
-            finish_iteration(
-                exec_.value(collision_.gap_at(exec_, pairs_, x)), record, report);
-        return false;
-    }
-
-    /// Contact figures of the accepted state, and a stiffer barrier where a tiny gap
-    /// still shrinks.
-    void finish_iteration(double gap, IterationRecord& record, StepReport& report) {
-        record.contacts = pairs_.size();
-        record.min_gap = gap;
-        report.contacts = record.contacts;
-        report.min_gap = gap;
-        if (law_.stiffen(gap)) energy_known_ = false;
-        report.kappa = law().barrier.kappa;
     }
 
     /// Counts short steps; moves to a stronger contact Hessian, or gives up with the
@@ -377,7 +192,7 @@ class Newton {
     Progress judge_progress(const IterationRecord& record, StepReport& report) {
         stall_.add(record);
         pace_.add(record);
-        if (stall_.short_steps == kShortStepsBeforeSwitch && law_.strengthen()) {
+        if (stall_.short_steps == kShortStepsBeforeSwitch && state_.law.strengthen()) {
             stall_.short_steps = 0;
             report.message =
                 "contact Hessian strengthened after short steps at " + record.limiting;
@@ -391,22 +206,13 @@ class Newton {
     Exec& exec_;
     const Model& model_;
     const StepSettings& settings_;
-    Objective<Exec> objective_;
-    Collision<Exec> collision_;
-    DirectionSolver<Exec> direction_;
-    PairSet<Exec> pairs_;
-    AdaptiveLaw law_;
+    NewtonState<Exec> state_;
+    NewtonDirection<Exec> direction_;
+    NewtonSearch<Exec> search_;
     StallDetector stall_;
     BoundaryPace pace_;
-    View<const std::uint8_t> fixed_{};
-    double stiffness_sum_ = 0.0;  ///< sum of V (mu + lambda), J
-    bool use_coarse_ = false;     ///< rigid modes in the linear solver
-    bool by_warps_ = false;       ///< contacts multiplied as in the supplement
+    typename Exec::template Buffer<std::uint8_t> obstacle_;
     bool yielded_ = false;
-    Buffer<std::uint8_t> obstacle_;
-    Buffer<Vec3d> p_, x_trial_;
-    double energy_ = 0.0;
-    bool energy_known_ = false;
 };
 
 }  // namespace noli
