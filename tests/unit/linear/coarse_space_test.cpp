@@ -6,6 +6,7 @@
 #include "dense_gauss_seidel.hpp"
 #include "linear/sweep_cg.hpp"
 #include "random_system.hpp"
+#include "support/linear_problem.hpp"
 
 #include <tbb/global_control.h>
 
@@ -61,43 +62,24 @@ class AgainstDenseAlgebra : public testing::TestWithParam<int> {
     static constexpr int kNumVertices = 171;
 
     AgainstDenseAlgebra() {
-        fixed[2] = fixed[169] = fixed[100] = 1;
         const auto order = identity_order(kNumVertices);
-        aggregates = cut_aggregates(s.elements, order, GetParam());
+        aggregates = cut_aggregates(problem.s.elements, order, GetParam());
         solver.set_aggregates(aggregates);
-        OperatorCopy copy;
-        op.update_pattern(
-            exec, view_operator(exec, loaded.matrix, loaded.terms, copy), view_of(fixed));
     }
 
     PcgResult solve(const PcgOptions& options, std::vector<Vec3d>& out) {
-        out.resize(b.size());
-        return solver.solve(exec,
-                            loaded.matrix,
-                            loaded.terms,
-                            view_of(b),
-                            view_of(fixed),
-                            options,
-                            view_of(out));
+        return problem.solve(solver, options, out);
     }
 
     [[nodiscard]] Eigen::VectorXd in_rows(const std::vector<Vec3d>& v) const {
-        Eigen::VectorXd out(3 * op.num_rows());
-        for (int i = 0; i < op.num_rows(); ++i)
-            for (int k = 0; k < 3; ++k)
-                out[3 * i + k] = v[static_cast<std::size_t>(
-                    op.numbering().vertex[static_cast<std::size_t>(i)])][k];
-        return out;
+        return in_row_order(v, op.numbering());
     }
 
-    RandomSystem s = random_system(kNumVertices, 480, 70, 5);
-    CpuExec exec;
-    LoadedSystem<CpuExec> loaded = load(exec, s);
-    std::vector<Vec3d> b = random_vector(kNumVertices, 3);
+    LinearProblem<CpuExec> problem{
+        random_system(kNumVertices, 480, 70, 5), 3, {2, 100, 169}};
     std::vector<Vec3d> x = random_vector(kNumVertices, 4);
-    std::vector<std::uint8_t> fixed = std::vector<std::uint8_t>(kNumVertices, 0);
     RigidAggregates aggregates;
-    ColouredOperator op{ScaledOperator::kRowsPerBlock};
+    ColouredOperator op = problem.rows();
     SweepCg solver;
 };
 // One vertex cannot turn, and two cannot turn about the line between them.
@@ -106,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes,
                          testing::Values(1, 2, 3, 8, 32, 999));
 
 TEST_P(AgainstDenseAlgebra, MatchesDeflatedPcgIterateByIterate) {
-    const Eigen::MatrixXd a = in_row_order(s, op.numbering());
+    const Eigen::MatrixXd a = in_row_order(problem.s, op.numbering());
     const Eigen::LLT<Eigen::MatrixXd> sweeps(gauss_seidel_matrix(a));
     const Eigen::MatrixXd basis = rigid_basis(aggregates, x, op.numbering());
     const Eigen::LLT<Eigen::MatrixXd> coarse(basis.transpose() * a * basis);
@@ -117,7 +99,7 @@ TEST_P(AgainstDenseAlgebra, MatchesDeflatedPcgIterateByIterate) {
         const Eigen::VectorXd y = sweeps.solve(r);
         return y + correct(r - a * y);
     };
-    const Eigen::VectorXd start = in_rows(b);
+    const Eigen::VectorXd start = in_rows(problem.b);
     Eigen::VectorXd expected = correct(start);
     Eigen::VectorXd r = start - a * expected;
     Eigen::VectorXd p = precondition(r);
@@ -154,8 +136,8 @@ TEST_P(AgainstDenseAlgebra, MatchesDeflatedPcgIterateByIterate) {
 }
 
 TEST_P(AgainstDenseAlgebra, ReachesTheSolution) {
-    Eigen::MatrixXd a = in_row_order(s, op.numbering());
-    const Eigen::VectorXd exact = a.llt().solve(in_rows(b));
+    Eigen::MatrixXd a = in_row_order(problem.s, op.numbering());
+    const Eigen::VectorXd exact = a.llt().solve(in_rows(problem.b));
     PcgOptions options;
     options.tolerance = 1e-24;
     options.positions = view_of(x);
@@ -188,31 +170,22 @@ TEST_P(AgainstDenseAlgebra, TakesNoPartWithoutPositions) {
 }
 
 TEST(CoarseSpace, FollowsChangesOfPatternAndAggregates) {
-    SerialExec exec;
     SweepCg reused;
     for (const int seed : {1, 2, 2, 3, 4}) {
         const int n = 80 + 7 * (seed % 3);
-        const RandomSystem s = random_system(n, 200, 10 * seed, seed);
-        const auto b = random_vector(n, seed);
+        LinearProblem<SerialExec> problem(random_system(n, 200, 10 * seed, seed),
+                                          seed,
+                                          {static_cast<std::size_t>(seed)});
         const auto x = random_vector(n, seed + 50);
-        std::vector<std::uint8_t> fixed(b.size(), 0);
-        fixed[static_cast<std::size_t>(seed)] = 1;
-        auto loaded = load(exec, s);
         PcgOptions options;
         options.positions = view_of(x);
         for (const int size : {8, 16}) {
-            std::vector<Vec3d> got(b.size()), expected(b.size());
+            std::vector<Vec3d> got, expected;
             SweepCg fresh;
             for (SweepCg* solver : {&reused, &fresh}) {
                 solver->set_aggregates(
-                    cut_aggregates(s.elements, identity_order(n), size));
-                solver->solve(exec,
-                              loaded.matrix,
-                              loaded.terms,
-                              view_of(b),
-                              view_of(fixed),
-                              options,
-                              view_of(solver == &reused ? got : expected));
+                    cut_aggregates(problem.s.elements, identity_order(n), size));
+                problem.solve(*solver, options, solver == &reused ? got : expected);
             }
             // The order of elimination is kept where it is good enough.
             EXPECT_LT((to_eigen(got) - to_eigen(expected)).norm(),
@@ -225,25 +198,15 @@ TEST(CoarseSpace, FollowsChangesOfPatternAndAggregates) {
 TEST(CoarseSpace, ForgetsWhatItSawBefore) {
     // After eight solves IC(0) tries a smaller shift.
     constexpr int kVertices = 301;
-    SerialExec exec;
     SweepCg used, fresh;
     const auto solve = [&](SweepCg& solver, int terms) {
-        const RandomSystem s = random_system(kVertices, 600, terms, 5);
-        auto loaded = load(exec, s);
-        const auto b = random_vector(kVertices, 1);
+        LinearProblem<SerialExec> problem(random_system(kVertices, 600, terms, 5), 1);
         const auto x = random_vector(kVertices, 2);
-        const std::vector<std::uint8_t> fixed(b.size(), 0);
         PcgOptions options;
         options.positions = view_of(x);
         options.preconditioner = PreconditionerKind::IncompleteCholesky;
-        std::vector<Vec3d> out(b.size());
-        solver.solve(exec,
-                     loaded.matrix,
-                     loaded.terms,
-                     view_of(b),
-                     view_of(fixed),
-                     options,
-                     view_of(out));
+        std::vector<Vec3d> out;
+        problem.solve(solver, options, out);
         return out;
     };
     for (SweepCg* solver : {&used, &fresh})
@@ -342,13 +305,9 @@ TEST(CoarseSpace, FindsTheRigidMotionOfAnAggregateInOneIteration) {
 /// Solves with a coarse space.
 template <class Exec>
 std::vector<Vec3d> solve_large(const RandomSystem& s, bool single) {
-    Exec exec;
-    auto loaded = load(exec, s);
-    const auto b = random_vector(s.num_vertices, 3);
+    LinearProblem<Exec> problem(s, 3, {0, 1000});
     const auto x = random_vector(s.num_vertices, 4);
-    std::vector<std::uint8_t> fixed(b.size(), 0);
-    fixed[0] = fixed[1000] = 1;
-    const std::vector<double> inertia(b.size(), 1e3);
+    const std::vector<double> inertia(x.size(), 1e3);
     SweepCg solver;
     solver.set_aggregates(cut_aggregates(s.elements, identity_order(s.num_vertices), 32));
     PcgOptions options;
@@ -356,14 +315,8 @@ std::vector<Vec3d> solve_large(const RandomSystem& s, bool single) {
     options.test = PcgOptions::Test::Energy;
     options.positions = view_of(x);
     if (single) options.inertia = view_of(inertia);
-    std::vector<Vec3d> out(b.size());
-    const PcgResult result = solver.solve(exec,
-                                          loaded.matrix,
-                                          loaded.terms,
-                                          view_of(b),
-                                          view_of(fixed),
-                                          options,
-                                          view_of(out));
+    std::vector<Vec3d> out;
+    const PcgResult result = problem.solve(solver, options, out);
     EXPECT_EQ(result.outcome, PcgResult::Outcome::Converged);
     EXPECT_GT(result.iterations, 3);
     return out;
@@ -390,25 +343,15 @@ TEST(CoarseSpace, HasTheSameBitsOnEveryExecutorAndThreadCount) {
 }
 
 TEST(CoarseSpace, ReportsBreakdownWhenPositionsAreNotNumbers) {
-    SerialExec exec;
-    const RandomSystem s = random_system(60, 150, 10, 3);
-    auto loaded = load(exec, s);
-    const auto b = random_vector(60, 3);
+    LinearProblem<SerialExec> problem(random_system(60, 150, 10, 3), 3);
     auto x = random_vector(60, 4);
     x[20].y = std::nan("");
-    const std::vector<std::uint8_t> fixed(b.size(), 0);
     SweepCg solver;
-    solver.set_aggregates(cut_aggregates(s.elements, identity_order(60), 16));
+    solver.set_aggregates(cut_aggregates(problem.s.elements, identity_order(60), 16));
     PcgOptions options;
     options.positions = view_of(std::as_const(x));
-    std::vector<Vec3d> out(b.size());
-    const PcgResult result = solver.solve(exec,
-                                          loaded.matrix,
-                                          loaded.terms,
-                                          view_of(b),
-                                          view_of(fixed),
-                                          options,
-                                          view_of(out));
+    std::vector<Vec3d> out;
+    const PcgResult result = problem.solve(solver, options, out);
     EXPECT_EQ(result.outcome, PcgResult::Outcome::Breakdown);
 }
 

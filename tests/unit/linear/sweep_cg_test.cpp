@@ -3,6 +3,7 @@
 
 #include "dense_gauss_seidel.hpp"
 #include "random_system.hpp"
+#include "support/linear_problem.hpp"
 
 namespace noli {
 namespace {
@@ -10,27 +11,13 @@ namespace {
 using namespace test;
 
 TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
-    const RandomSystem s = random_system(301, 900, 120, 5);
-    CpuExec exec;
-    auto loaded = load(exec, s);
-    const auto b = random_vector(301, 3);
-    std::vector<std::uint8_t> fixed(b.size(), 0);
-    fixed[2] = fixed[299] = 1;
-
-    OperatorCopy copy;
-    ColouredOperator op(ScaledOperator::kRowsPerBlock);
-    op.update_pattern(
-        exec, view_operator(exec, loaded.matrix, loaded.terms, copy), view_of(fixed));
+    LinearProblem<CpuExec> problem(random_system(301, 900, 120, 5), 3, {2, 299});
+    const ColouredOperator op = problem.rows();
     const Numbering& numbering = op.numbering();
     ASSERT_EQ(op.num_rows(), 299);
-    const Eigen::MatrixXd a = in_row_order(s, numbering);
+    const Eigen::MatrixXd a = in_row_order(problem.s, numbering);
     const Eigen::LLT<Eigen::MatrixXd> preconditioner(gauss_seidel_matrix(a));
-    Eigen::VectorXd r(a.rows());
-    for (Eigen::Index i = 0; i < r.size(); ++i)
-        r[i] =
-            b[static_cast<std::size_t>(numbering.vertex[static_cast<std::size_t>(i / 3)])]
-             [static_cast<int>(i % 3)];
-
+    Eigen::VectorXd r = in_row_order(problem.b, numbering);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(r.size());
     Eigen::VectorXd z = preconditioner.solve(r);
     Eigen::VectorXd p = z;
@@ -49,23 +36,14 @@ TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
         PcgOptions options;
         options.tolerance = 1e-30;
         options.max_iterations = iteration;
-        std::vector<Vec3d> got(b.size());
-        const PcgResult result = solver.solve(exec,
-                                              loaded.matrix,
-                                              loaded.terms,
-                                              view_of(b),
-                                              view_of(fixed),
-                                              options,
-                                              view_of(got));
+        std::vector<Vec3d> got;
+        const PcgResult result = problem.solve(solver, options, got);
         EXPECT_EQ(result.iterations, iteration);
         EXPECT_NEAR(
             result.residual_ratio, delta / delta_start, 1e-8 * delta / delta_start);
+        const Eigen::VectorXd got_rows = in_row_order(got, numbering);
         for (Eigen::Index i = 0; i < x.size(); ++i)
-            EXPECT_NEAR(got[static_cast<std::size_t>(
-                            numbering.vertex[static_cast<std::size_t>(i / 3)])]
-                           [static_cast<int>(i % 3)],
-                        x[i],
-                        1e-9 * x.norm());
+            EXPECT_NEAR(got_rows[i], x[i], 1e-9 * x.norm());
     }
 }
 
@@ -73,9 +51,8 @@ TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
 class SinglePrecision : public testing::Test {
   protected:
     SinglePrecision() {
-        fixed[7] = fixed[200] = 1;
-        const Eigen::MatrixXd dense = dense_elements(s) + dense_terms(s);
-        largest.reserve(b.size());
+        const Eigen::MatrixXd dense = dense_elements(problem.s) + dense_terms(problem.s);
+        largest.reserve(problem.b.size());
         for (Eigen::Index i = 0; i < dense.rows(); i += 3)
             largest.push_back(dense.diagonal().segment<3>(i).maxCoeff());
     }
@@ -84,14 +61,8 @@ class SinglePrecision : public testing::Test {
         PcgOptions options;
         options.tolerance = tolerance;
         options.inertia = view_of(inertia);
-        std::vector<Vec3d> x(b.size());
-        const PcgResult result = solver.solve(exec,
-                                              loaded.matrix,
-                                              loaded.terms,
-                                              view_of(b),
-                                              view_of(fixed),
-                                              options,
-                                              view_of(x));
+        std::vector<Vec3d> x;
+        const PcgResult result = problem.solve(solver, options, x);
         EXPECT_EQ(result.outcome, PcgResult::Outcome::Converged);
         return x;
     }
@@ -104,11 +75,7 @@ class SinglePrecision : public testing::Test {
         return inertia;
     }
 
-    RandomSystem s = random_system(301, 900, 120, 5);
-    CpuExec exec;
-    LoadedSystem<CpuExec> loaded = load(exec, s);
-    std::vector<Vec3d> b = random_vector(301, 3);
-    std::vector<std::uint8_t> fixed = std::vector<std::uint8_t>(301, 0);
+    LinearProblem<CpuExec> problem{random_system(301, 900, 120, 5), 3, {7, 200}};
     std::vector<double> largest;  ///< diagonal entry per vertex
     SweepCg solver;
 };
