@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Contact product y += H c on the CPU: dense blocks per pair (linear/warp_product.hpp)
+/// Contact product y += H c on the CPU: dense blocks per pair (linear/dense_pairs.hpp)
 /// against low-rank modes (linear/low_rank.hpp), same pairs, same gather per vertex, all
 /// cores. Says nothing about GPUs. Prints CSV.
 ///
@@ -7,7 +7,7 @@
 
 #include "energy/contact_pair.hpp"
 #include "exec/cpu.hpp"
-#include "linear/warp_product.hpp"
+#include "linear/dense_pairs.hpp"
 
 #include <tbb/info.h>
 

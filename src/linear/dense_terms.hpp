@@ -7,7 +7,7 @@
 ///
 /// Source: supplement section 6, Algorithm 1, corrected
 
-#include "linear/warp_product.hpp"
+#include "linear/dense_pairs.hpp"
 
 namespace noli {
 

@@ -4,6 +4,7 @@
 #include "dense_blocks.hpp"
 #include "energy/contact_pair.hpp"
 #include "exec/cpu.hpp"
+#include "linear/dense_pairs.hpp"
 #include "random_system.hpp"
 
 #include <cmath>
