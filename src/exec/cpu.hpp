@@ -32,6 +32,19 @@ namespace noli {
 
 namespace detail {
 
+struct SerialOrder {
+    template <class F>
+    static void run(int n, int /*grain*/, const F& f) {
+        for (int i = 0; i < n; ++i)
+            f(i);
+    }
+    template <class F>
+    static void run_back(int n, const F& f) {
+        for (int i = n - 1; i >= 0; --i)
+            f(i);
+    }
+};
+
 /// Runs f(i) for i in [0, n) with TBB, or with the team that stands by; small loops stay
 /// on this thread.
 struct TbbOrder {
@@ -62,6 +75,17 @@ struct TbbOrder {
 #endif
     }
 
+    /// The same, each thread its last index first.
+    template <class F>
+    static void run_back(int n, const F& f) {
+        if (Team* team = Team::current(); team != nullptr)
+            team->run(n, 1, [&f](int begin, int end) {
+                SerialOrder::run_back(end - begin, [&](int i) { f(begin + i); });
+            });
+        else
+            run(n, 1, f);
+    }
+
 #if defined(__SANITIZE_THREAD__)
     /// The thread sanitizer does not see how a TBB that it did not compile synchronises,
     /// so under it loops run on plain threads.
@@ -78,14 +102,6 @@ struct TbbOrder {
 #endif
 };
 
-struct SerialOrder {
-    template <class F>
-    static void run(int n, int /*grain*/, const F& f) {
-        for (int i = 0; i < n; ++i)
-            f(i);
-    }
-};
-
 /// Visits every index once, in the order of multiplication by a number coprime to n.
 struct ShuffledOrder {
     template <class F>
@@ -96,6 +112,10 @@ struct ShuffledOrder {
             ++stride;
         for (std::int64_t i = 0; i < n; ++i)
             f(static_cast<int>((n - 1) - (i * stride) % n));
+    }
+    template <class F>
+    static void run_back(int n, const F& f) {
+        run(n, 1, f);
     }
 };
 
@@ -127,6 +147,12 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
     template <class F>
     void for_each(const char* /*name*/, int n, F f, int grain = 128) {
         Order::run(n, grain, f);
+    }
+
+    /// The same, each thread its last item first; every item is worth a task.
+    template <class F>
+    void for_each_back(const char* /*name*/, int n, F f) {
+        Order::run_back(n, f);
     }
 
     /// f(lane) for every element, several at a time: see exec/lanes.hpp.

@@ -146,6 +146,15 @@ inline __attribute__((always_inline)) void fetch_modes(const OperatorView& op,
     }
 }
 
+/// Place of a column in a short ascending list: counted, because a search would guess
+/// wrong at every other step.
+inline __attribute__((always_inline)) int place_in(std::span<const int> cols, int col) {
+    int place = 0;
+    for (const int c : cols)
+        place += c < col ? 1 : 0;
+    return place;
+}
+
 inline __attribute__((always_inline)) void add_term_values(const OperatorView& op,
                                                            View<const int> rank,
                                                            int touched,
@@ -159,12 +168,11 @@ inline __attribute__((always_inline)) void add_term_values(const OperatorView& o
         for (int s = 0; s < kSlotsPerTerm; ++s) {
             const int v = op.vertices[term][s];
             if (v < 0 || rank[v] < 0 || rank[v] > last) continue;
-            const auto place = std::lower_bound(cols.begin(), cols.end(), rank[v]);
             add_modes(op.modes.data + op.first_mode[term],
                       op.modes.data + op.first_mode[term + 1],
                       slot,
                       s,
-                      out[place - cols.begin()]);
+                      out[place_in(cols, rank[v])]);
         }
     }
 }

@@ -71,7 +71,8 @@ class CoarseSpace {
             num_aggregates(),
             [&, this](int a) { fill_modes(op, scale, x, a); },
             8);
-        op.for_rows(exec, [&, this](int i) { fill_row(op, lower, upper, i); });
+        op.for_rows_nearby(exec,
+                           [&, this](int row, int) { fill_row(op, lower, upper, row); });
         exec.for_each(
             "linear/coarse_rows",
             num_aggregates(),

@@ -159,6 +159,9 @@ ColouredRows colour_rows(const OperatorView& op, const RowBlocksOfMatrix& blocks
                 out);
     }
     out.colour_begin.push_back(static_cast<int>(out.group_begin.size()) - 1);
+    out.nearby.reserve(free.vertex.size());
+    for (const int v : free.vertex)
+        out.nearby.push_back(out.numbering.rank[at(v)]);
     return out;
 }
 

@@ -244,7 +244,7 @@ bool IncompleteCholesky::factor(const ScaledOperator& op, int group, double shif
     const int end = op.rows().rows().group_begin[at(group) + 1];
     return op.with_triangles([&](const auto& triangles) {
         const FactorArrays f{op.rows().lower(),
-                             triangles.lower.data(),
+                             triangles.lower.view().data,
                              lower_.data(),
                              pivot_inverse_.data(),
                              shift};

@@ -33,12 +33,13 @@ void ScaledOperator::choose_precision(double least_inertia) {
 }
 
 void ScaledOperator::fetch_row(const OperatorView& op, int row) const {
-    if (row >= rows_.num_rows()) return;
     const MergedBlocks& lower = rows_.lower();
     const int end = lower.row_begin[at(row) + 1] - 1;
     for (int p = lower.row_begin[at(row)]; p < end; ++p)
-        if (const int source = lower.source[at(p)]; source >= 0)
-            __builtin_prefetch(op.values.data + source);
+        if (const int source = lower.source[at(p)]; source >= 0) {
+            __builtin_prefetch(op.values[source].a);
+            __builtin_prefetch(op.values[source].a + 8);  // mostly in the next line
+        }
 }
 
 void ScaledOperator::fill_row(const OperatorView& op, int row) {
@@ -46,8 +47,6 @@ void ScaledOperator::fill_row(const OperatorView& op, int row) {
     const MergedBlocks& lower = rows_.lower();
     const int begin = lower.row_begin[at(row)];
     const int count = lower.row_begin[at(row) + 1] - begin - 1;  // no diagonal block
-    constexpr int kRowsAhead = 3;
-    fetch_row(op, row + kRowsAhead);
     if (blocks.size() < at(count)) blocks.resize(at(count));
     detail::merged_row_values(op,
                               rows_.touched(),
@@ -72,8 +71,8 @@ void ScaledOperator::scale_row_blocks(Triangles<Number>& to,
     const detail::RowScaling<Number> scaling{scale_.data(),
                                              lower.col.data() + begin,
                                              rows_.upper_place.data(),
-                                             to.lower.data(),
-                                             to.upper.data()};
+                                             to.lower.view().data,
+                                             to.upper.view().data};
     detail::scale_blocks(scaling, row, begin - row, count, blocks);
 }
 

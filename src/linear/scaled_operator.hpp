@@ -22,12 +22,14 @@ namespace noli {
 /// number p - row, see ColouredOperator::lower.
 template <class Number>
 struct Triangles {
-    std::vector<Number> lower, upper;
+    HostBuffer<Number> lower, upper;
 
     void resize(std::size_t num_blocks) {
-        constexpr std::size_t kPadding = 1;  // loads of four reach one past the last
-        lower.resize(9 * num_blocks + kPadding);
-        upper.resize(9 * num_blocks + kPadding);
+        const int count = 9 * static_cast<int>(num_blocks);
+        for (HostBuffer<Number>* blocks : {&lower, &upper}) {
+            blocks->resize(count + 1);  // loads of four reach one past the last
+            blocks->view()[count] = 0;
+        }
     }
 };
 
@@ -63,13 +65,17 @@ class ScaledOperator {
         const View<const Mat3d> diagonal = diagonal_.view();
         std::atomic<bool> positive = true;
         const double least =
-            exec.min("linear/gs_scale", rows_.num_rows(), [&, this](int i) {
+            exec.min("linear/gs_scale", rows_.num_rows(), [&, this](int k) {
+                const int i = rows_.rows().nearby[static_cast<std::size_t>(k)];
                 if (!scale_row(i, diagonal))
                     positive.store(false, std::memory_order_relaxed);
                 return inertia_share(i, diagonal, inertia);
             });
         choose_precision(inertia.size > 0 ? least : 0.0);
-        rows_.for_rows(exec, [&, this](int i) { fill_row(op, i); });
+        rows_.for_rows_nearby(exec, [&, this](int row, int ahead) {
+            fetch_row(op, ahead);
+            fill_row(op, row);
+        });
         if (!positive) return Built::NotPositive;
         return changed ? Built::NewPattern : Built::NewValues;
     }
@@ -100,8 +106,7 @@ class ScaledOperator {
                                        View<const Mat3d> diagonal,
                                        View<const double> inertia) const;
     void choose_precision(double least_inertia);
-    /// Asks for the blocks of a row that fill_row needs soon: rows follow each other by
-    /// colour, so their blocks are far from each other.
+    /// Asks for the blocks that fill_row needs.
     void fetch_row(const OperatorView& op, int row) const;
     void fill_row(const OperatorView& op, int row);
     template <class Number>

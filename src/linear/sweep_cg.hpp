@@ -48,13 +48,18 @@
 #include "linear/incomplete_cholesky.hpp"
 #include "linear/pcg_options.hpp"
 #include "linear/scaled_operator.hpp"
-
-#include <algorithm>
+#include "linear/sweep_progress.hpp"
+#include "linear/sweep_vectors.hpp"
 
 namespace noli {
 
 class SweepCg {
   public:
+    SweepCg() = default;
+    /// Its parts point to each other.
+    SweepCg(const SweepCg&) = delete;
+    SweepCg& operator=(const SweepCg&) = delete;
+
     /// Same contract as Pcg::solve. IC(0) that cannot be built becomes Gauss-Seidel.
     template <class Exec>
     PcgResult solve(Exec& exec,
@@ -70,10 +75,10 @@ class SweepCg {
         const bool built = build(exec, matrix, terms, fixed, options);
         result.preconditioner = use_factor_ ? PreconditionerKind::IncompleteCholesky
                                             : PreconditionerKind::GaussSeidel;
-        Progress at = start(exec, b, built, stop);
+        SweepProgress at = start(exec, b, built, stop);
         if (!built || !(at.rr >= 0.0)) {
             result.outcome = PcgResult::Outcome::Breakdown;
-            finish(exec, 0.0, x);
+            vectors_.finish(exec, 0.0, x);
             return result;
         }
         bool done = at.rr == 0.0;
@@ -86,14 +91,14 @@ class SweepCg {
             stop.add(at.decrease);
             done = stop.reached(at.ratio());
             if (done && options.refine && !result.refined) {
-                finish(exec, at.alpha, x);
+                vectors_.finish(exec, at.alpha, x);
                 if (!options.refine(x)) break;
                 result.refined = true;
                 stop.set_tolerance(options.fine_tolerance);
                 done = stop.reached(at.ratio());
             }
         }
-        finish(exec, at.alpha, x);
+        vectors_.finish(exec, at.alpha, x);
         result.residual_ratio = at.ratio();
         if (result.outcome == PcgResult::Outcome::Breakdown && op_.single())
             return solve_in_double(exec, matrix, terms, b, fixed, options, x);
@@ -122,20 +127,6 @@ class SweepCg {
     ShiftMemory& shift_memory() { return factor_.memory(); }
 
   private:
-    /// Where the iteration stands. `rr` is r.P⁻¹r of the local preconditioner P; with a
-    /// coarse space r.z is the same, because residuals are orthogonal to it.
-    struct Progress {
-        double rr = 0.0;        ///< IC(0): of the residual before the last step
-        double first = 0.0;     ///< rr at the start, and `coarse`
-        double coarse = 0.0;    ///< what the coarse start lowered the energy by, twice
-        double last = 0.0;      ///< the rr that the last direction was made from; 0: none
-        double alpha = 0.0;     ///< of the step that x, r still have to take
-        double beta = 0.0;      ///< of the sweeps alone
-        double decrease = 0.0;  ///< of the last step: alpha r.p
-
-        [[nodiscard]] double ratio() const { return first > 0.0 ? rr / first : 0.0; }
-    };
-
     /// Blocks stored in single precision may no longer be positive definite.
     template <class Exec>
     PcgResult solve_in_double(Exec& exec,
@@ -159,7 +150,7 @@ class SweepCg {
         const ScaledOperator::Built built =
             op_.build(exec, matrix, terms, fixed, options.inertia);
         use_factor_ = false;
-        resize();
+        vectors_.resize();
         if (built != ScaledOperator::Built::NewValues) coarse_is_current_ = false;
         use_coarse_ = options.positions.size > 0 && coarse_.available();
         if (built == ScaledOperator::Built::NotPositive) return false;
@@ -174,28 +165,27 @@ class SweepCg {
             coarse_.update_pattern(op_.rows(), use_factor_);
         coarse_is_current_ = true;
         return op_.with_triangles([&](const auto& triangles) {
-            return coarse_.update_values(exec,
-                                         op_.rows(),
-                                         use_factor_ ? triangles.lower.data() : nullptr,
-                                         triangles.upper.data(),
-                                         op_.scale(),
-                                         positions);
+            return coarse_.update_values(
+                exec,
+                op_.rows(),
+                use_factor_ ? triangles.lower.view().data : nullptr,
+                triangles.upper.view().data,
+                op_.scale(),
+                positions);
         });
     }
 
     /// Clears all vectors and finds the first residual.
     template <class Exec>
-    Progress start(Exec& exec, View<const Vec3d> b, bool built, PcgStop& stop) {
-        op_.rows().for_rows(exec, [this, b](int i) { clear_row(i, b); });
-        Progress at;
+    SweepProgress start(Exec& exec, View<const Vec3d> b, bool built, PcgStop& stop) {
+        vectors_.clear(exec, b);
+        SweepProgress at;
         if (!built) return at;
         if (use_coarse_) at.coarse = start_coarse(exec);
         stop.start(at.coarse);
         // The forward sweep solves (I + L') w = s - L' w: w becomes the first residual.
-        if (!use_factor_) forward(exec);
-        at.rr = exec.sum("linear/sweep_start", op_.rows().num_rows(), [this](int i) {
-            return start_row(i);
-        });
+        if (!use_factor_) vectors_.split(exec);
+        at.rr = use_factor_ ? vectors_.start_with_s(exec) : vectors_.start_with_w(exec);
         at.first = at.rr + at.coarse;
         return at;
     }
@@ -203,16 +193,16 @@ class SweepCg {
     /// x = Z' E⁻¹ Z'ᵀ b and s = b - A' x; returns what that lowers the energy by, twice.
     template <class Exec>
     double start_coarse(Exec& exec) {
-        const double decrease = coarse_.solve_start(exec, s_.data());
-        renew(exec, 0.0);
-        multiply(exec);
-        op_.rows().for_rows(exec, [this](int i) { take_start(i); });
+        const double decrease = coarse_.solve_start(exec, vectors_.s());
+        vectors_.renew(exec, coarse_, 0.0);
+        vectors_.multiply(exec);
+        vectors_.take_start(exec);
         return decrease;
     }
 
     /// An iteration on all threads or on one, whichever is faster at present.
     template <class Exec>
-    bool iterate_timed(Exec& exec, Progress& at) {
+    bool iterate_timed(Exec& exec, SweepProgress& at) {
         Team* team = Team::current();
         if (team == nullptr || team->threads() == 1) return iterate(exec, at);
         double seconds = 0.0;
@@ -229,177 +219,72 @@ class SweepCg {
 
     /// False if the operator is not positive definite.
     template <class Exec>
-    bool iterate(Exec& exec, Progress& at) {
+    bool iterate(Exec& exec, SweepProgress& at) {
         if (use_factor_) return iterate_factor(exec, at);
         return use_coarse_ ? iterate_split(exec, at) : iterate_sweeps(exec, at);
     }
 
     /// Gauss-Seidel alone.
     template <class Exec>
-    bool iterate_sweeps(Exec& exec, Progress& at) {
-        for_colours_back(exec, [this, &at](int g) { backward(g, at.alpha, at.beta); });
-        for_colours(exec, [this](int g) { forward_group(g); });
-        const detail::SweepSums sums = total();
+    bool iterate_sweeps(Exec& exec, SweepProgress& at) {
+        vectors_.backward(exec, at.alpha, at.beta);
+        vectors_.forward(exec);
+        const detail::SweepSums sums = vectors_.total();
         if (!(sums.pq > 0.0)) {
             at.alpha = 0.0;
             return false;
         }
         at.alpha = sums.rr / sums.pq;
         at.decrease = at.alpha * sums.rr;
-        at.rr = next_square(sums, at.alpha);
+        at.rr = sums.square_after(at.alpha);
         at.beta = at.rr / sums.rr;
         return true;
     }
 
     /// Gauss-Seidel with the coarse space.
     template <class Exec>
-    bool iterate_split(Exec& exec, Progress& at) {
-        for_colours_back(exec, [this, &at](int g) { residual(g, at.alpha); });
-        const double rr = total().rr;
-        if (!begin_direction(at, rr)) return rr == 0.0;
-        coarse_.solve_split(exec, r_.data(), y_.data());
-        renew_split(exec, at.beta);
-        forward(exec);
-        const detail::SweepSums sums = total();
-        if (!take_step(at, sums)) return false;
-        at.rr = next_square({.rr = rr, .rq = sums.rq, .qq = sums.qq}, at.alpha);
+    bool iterate_split(Exec& exec, SweepProgress& at) {
+        vectors_.residual(exec, at.alpha);
+        const double rr = vectors_.total().rr;
+        if (!at.begin_direction(rr)) return rr == 0.0;
+        coarse_.solve_split(exec, vectors_.r(), vectors_.y());
+        vectors_.renew_split(exec, coarse_, at.beta);
+        vectors_.split(exec);
+        const detail::SweepSums sums = vectors_.total();
+        if (!at.take_step(sums)) return false;
+        at.rr = detail::SweepSums{.rr = rr, .rq = sums.rq, .qq = sums.qq}.square_after(
+            at.alpha);
         return true;
     }
 
     /// IC(0), with the coarse space or without.
     template <class Exec>
-    bool iterate_factor(Exec& exec, Progress& at) {
+    bool iterate_factor(Exec& exec, SweepProgress& at) {
         const bool first = at.last == 0.0;
-        for_colours(exec, [this, &at](int g) { factor_forward(g, at.alpha); });
-        for_colours_back(exec, [this](int g) { factor_backward(g); });
-        const double rr = total().rr;
+        vectors_.factor_forward(exec, at.alpha);
+        vectors_.factor_backward(exec);
+        const double rr = vectors_.total().rr;
         if (first) at.first = rr + at.coarse;
-        if (!begin_direction(at, rr)) return rr == 0.0;
+        if (!at.begin_direction(rr)) return rr == 0.0;
         at.rr = rr;
-        if (use_coarse_) coarse_.solve_residual(exec, r_.data(), y_.data());
-        renew(exec, at.beta);
-        multiply(exec);
-        return take_step(at, total());
-    }
-
-    /// beta of the next direction from r.P⁻¹r; false when there is none.
-    static bool begin_direction(Progress& at, double rr) {
-        at.alpha = 0.0;
-        if (!(rr > 0.0)) {
-            at.rr = rr;
-            at.decrease = 0.0;
-            return false;
+        if (use_coarse_) {
+            coarse_.solve_residual(exec, vectors_.r(), vectors_.y());
+            vectors_.renew(exec, coarse_, at.beta);
+        } else {
+            vectors_.renew(exec, at.beta);
         }
-        at.beta = at.last > 0.0 ? rr / at.last : 0.0;
-        at.last = rr;
-        return true;
+        vectors_.multiply(exec);
+        return at.take_step(vectors_.total());
     }
-
-    /// The step along p that lowers the energy most.
-    static bool take_step(Progress& at, const detail::SweepSums& sums) {
-        if (!(sums.pq > 0.0)) return false;
-        at.alpha = sums.rp / sums.pq;
-        at.decrease = at.alpha * sums.rp;
-        return true;
-    }
-
-    /// r.r after a step.
-    static double next_square(const detail::SweepSums& sums, double alpha) {
-        return std::fmax(0.0, sums.rr + alpha * (alpha * sums.qq - 2.0 * sums.rq));
-    }
-
-    template <class Exec, class F>
-    void for_colours(Exec& exec, const F& f) const {
-        for (int c = 0; c < op_.rows().num_colours(); ++c)
-            op_.rows().for_groups(exec, c, [&f](int g) { return f(g), true; });
-    }
-    template <class Exec, class F>
-    void for_colours_back(Exec& exec, const F& f) const {
-        for (int c = op_.rows().num_colours() - 1; c >= 0; --c)
-            op_.rows().for_groups(exec, c, [&f](int g) { return f(g), true; });
-    }
-
-    /// w = s - L' w
-    template <class Exec>
-    void forward(Exec& exec) {
-        for_colours(exec, [this](int g) { split(g); });
-    }
-
-    /// w = A' t
-    template <class Exec>
-    void multiply(Exec& exec) {
-        exec.for_each(
-            "linear/sweep_multiply",
-            op_.rows().num_groups(),
-            [this](int g) { multiply_group(g); },
-            1);
-    }
-
-    template <class Exec, class F>
-    void for_parts(Exec& exec, const char* name, const F& f) const {
-        constexpr int kRows = 128;
-        const int n = op_.rows().num_rows();
-        exec.for_each(
-            name,
-            (n + kRows - 1) / kRows,
-            [&f, n](int part) { f(part * kRows, std::min(n, (part + 1) * kRows)); },
-            1);
-    }
-
-    /// t = y + Z' c + beta t; without a coarse space c is 0.
-    template <class Exec>
-    void renew(Exec& exec, double beta) {
-        for_parts(exec, "linear/sweep_direction", [this, beta](int begin, int end) {
-            if (use_coarse_)
-                coarse_.renew(y_.data(), beta, begin, end, t_.data());
-            else
-                renew_rows(beta, begin, end);
-        });
-    }
-
-    template <class Exec>
-    void renew_split(Exec& exec, double beta) {
-        for_parts(exec, "linear/sweep_direction", [this, beta](int begin, int end) {
-            coarse_.renew_split(
-                r_.data(), y_.data(), beta, begin, end, t_.data(), s_.data());
-        });
-    }
-
-    /// x = C⁻ᵀ (x' + alpha t)
-    template <class Exec>
-    void finish(Exec& exec, double alpha, View<Vec3d> x) {
-        exec.for_each("linear/sweep_finish", x.size, [this, alpha, x](int v) {
-            x[v] = result(v, alpha);
-        });
-    }
-
-    void resize();
-    void clear_row(int row, View<const Vec3d> b);
-    void take_start(int row);
-    double start_row(int row);
-    void backward(int group, double alpha, double beta);
-    void forward_group(int group);
-    void residual(int group, double alpha);
-    void split(int group);
-    void multiply_group(int group);
-    void factor_forward(int group, double alpha);
-    void factor_backward(int group);
-    void renew_rows(double beta, int begin, int end);
-    [[nodiscard]] detail::SweepSums total() const;
-    [[nodiscard]] Vec3d result(int vertex, double alpha) const;
-    /// f(arrays, first row, end row) of a group.
-    template <class F>
-    auto with_arrays(int group, const F& f);
 
     ScaledOperator op_;
     IncompleteCholesky factor_;
+    SweepVectors vectors_{op_, factor_};
     CoarseSpace coarse_;
     Sharing sharing_;
     bool use_factor_ = false;
     bool use_coarse_ = false;
-    bool coarse_is_current_ = false;                 ///< its pattern is that of op_
-    std::vector<double> x_, r_, p_, t_, w_, y_, s_;  ///< four numbers per row
-    std::vector<detail::SweepSums> sums_;            ///< per group
+    bool coarse_is_current_ = false;  ///< its pattern is that of op_
 };
 
 }  // namespace noli

@@ -168,6 +168,46 @@ inline __attribute__((always_inline)) void direction_rows(detail::SweepArrays<Nu
     forward_rows(s, begin, end, parts, out);
 }
 
+/// A 3x3 block from its rows, row by row and column by column.
+inline __attribute__((always_inline)) void store_both(const Double4 (&m)[3],
+                                                      double* rows,
+                                                      double* columns) {
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) {
+            rows[at(3 * r + c)] = m[r][c];
+            columns[at(3 * c + r)] = m[r][c];
+        }
+}
+
+typedef float Float4 __attribute__((vector_size(16), aligned(4), may_alias));
+
+/// Nine numbers from three times three: lane 3 is overwritten by what follows.
+inline __attribute__((always_inline)) void store_threes(const Float4& a,
+                                                        const Float4& b,
+                                                        const Float4& c,
+                                                        float* out) {
+    typedef float Float2 __attribute__((vector_size(8), aligned(4), may_alias));
+    *reinterpret_cast<Float4*>(out) = a;
+    *reinterpret_cast<Float4*>(out + 3) = b;
+    *reinterpret_cast<Float2*>(out + 6) = __builtin_shufflevector(c, c, 0, 1);
+    out[8] = c[2];
+}
+
+inline __attribute__((always_inline)) void store_both(const Double4 (&m)[3],
+                                                      float* rows,
+                                                      float* columns) {
+    const Float4 a = __builtin_convertvector(m[0], Float4);
+    const Float4 b = __builtin_convertvector(m[1], Float4);
+    const Float4 c = __builtin_convertvector(m[2], Float4);
+    store_threes(a, b, c, rows);
+    const Float4 first = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+    const Float4 last = __builtin_shufflevector(a, b, 2, 6, 2, 6);
+    store_threes(__builtin_shufflevector(first, c, 0, 1, 4, 4),
+                 __builtin_shufflevector(first, c, 2, 3, 5, 5),
+                 __builtin_shufflevector(last, c, 0, 1, 6, 6),
+                 columns);
+}
+
 /// L' = C_i⁻¹ m C_j⁻ᵀ, written column by column and transposed.
 template <class Number>
 inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
@@ -181,11 +221,7 @@ inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
     const Double4 out[3] = {fi.c0[0] * half[0],
                             fi.c0[1] * half[0] + fi.c1[1] * half[1],
                             fi.c0[2] * half[0] + fi.c1[2] * half[1] + fi.c2[2] * half[2]};
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-            rows[at(3 * r + c)] = static_cast<Number>(out[r][c]);
-            columns[at(3 * c + r)] = static_cast<Number>(out[r][c]);
-        }
+    store_both(out, rows, columns);
 }
 
 using detail::RowScaling;

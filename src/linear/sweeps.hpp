@@ -6,6 +6,7 @@
 #include "core/vec.hpp"
 #include "core/view.hpp"
 
+#include <cmath>
 #include <cstddef>
 
 namespace noli {
@@ -30,6 +31,11 @@ struct SweepSums {
     double rr =
         0.0;  ///< r.r, from the backward sweep; the others are from the forward sweep
     double pq = 0.0, rp = 0.0, rq = 0.0, qq = 0.0;
+
+    /// r.r after the step r -= alpha q.
+    [[nodiscard]] double square_after(double alpha) const {
+        return std::fmax(0.0, rr + alpha * (alpha * qq - 2.0 * rq));
+    }
 };
 
 /// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w), p = r + beta p and

@@ -5,11 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <mutex>
+#include <numeric>
 #include <thread>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace noli {
 namespace {
@@ -236,6 +240,37 @@ TEST(StandBy, IsNothingForExecutorsOfOneThread) {
     SerialExec serial;
     [[maybe_unused]] const auto none = serial.stand_by();
     EXPECT_EQ(Team::current(), nullptr);
+}
+
+/// Indices in the order in which each thread meets them.
+std::map<std::thread::id, std::vector<int>> visits_back(CpuExec& exec, int n) {
+    std::map<std::thread::id, std::vector<int>> visits;
+    std::mutex mutex;
+    exec.for_each_back("test/back", n, [&](int i) {
+        const std::lock_guard lock(mutex);
+        visits[std::this_thread::get_id()].push_back(i);
+    });
+    return visits;
+}
+
+TEST_P(TeamOf, RunsALoopBackwardsInEachRange) {
+    Team team(GetParam());
+    const TeamScope scope(team);
+    CpuExec exec;
+    for (const int n : {0, 1, 2, 5, 64, 1000}) {
+        std::vector<int> seen;
+        int ranges = 0;
+        for (const auto& [thread, indices] : visits_back(exec, n)) {
+            for (std::size_t k = 0; k < indices.size(); ++k)
+                if (k == 0 || indices[k] != indices[k - 1] - 1) ++ranges;
+            seen.insert(seen.end(), indices.begin(), indices.end());
+        }
+        EXPECT_LE(ranges, team.threads());
+        std::sort(seen.begin(), seen.end());
+        std::vector<int> all(static_cast<std::size_t>(n));
+        std::iota(all.begin(), all.end(), 0);
+        EXPECT_EQ(seen, all);
+    }
 }
 
 }  // namespace

@@ -3,6 +3,10 @@
 
 #include "random_system.hpp"
 
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
 namespace noli {
 namespace {
 
@@ -112,6 +116,49 @@ TEST(ColouredOperator, CutsColoursIntoAnEvenNumberOfGroups) {
             const int groups = begin[k + 1] - begin[k];
             EXPECT_TRUE(groups == 1 || groups % 2 == 0) << groups;
         }
+    }
+}
+
+TEST(ColouredOperator, VisitsRowsNearbyInTheOrderOfTheirVertices) {
+    for (const bool reversed : {false, true}) {
+        Coloured c(205, 40, 16);
+        if (reversed) {
+            std::vector<int> order(205);
+            std::iota(order.rbegin(), order.rend(), 0);
+            c.op.set_order(order);
+            c.op.update_pattern(c.exec, c.view(), view_of(c.fixed));
+        }
+        std::vector<int> visited;
+        std::vector<int> announced;
+        c.op.for_rows_nearby(c.exec, [&](int row, int ahead) {
+            visited.push_back(c.op.numbering().vertex[static_cast<std::size_t>(row)]);
+            announced.push_back(c.op.numbering().vertex[static_cast<std::size_t>(ahead)]);
+        });
+        std::vector<int> expected;
+        for (int v = 0; v < 205; ++v)
+            if (c.fixed[static_cast<std::size_t>(v)] == 0) expected.push_back(v);
+        if (reversed) std::reverse(expected.begin(), expected.end());
+        EXPECT_EQ(visited, expected);
+        for (std::size_t k = 0; k < visited.size(); ++k)
+            EXPECT_EQ(announced[k], expected[std::min(k + 3, expected.size() - 1)]);
+    }
+}
+
+TEST(ColouredOperator, GroupsOfAColourAreVisitedOnceInBothDirections) {
+    Coloured c(900, 100, 16);
+    for (int colour = 0; colour < c.op.num_colours(); ++colour) {
+        const auto k = static_cast<std::size_t>(colour);
+        const auto& begin = c.op.rows().colour_begin;
+        std::vector<int> all(static_cast<std::size_t>(begin[k + 1] - begin[k]));
+        std::iota(all.begin(), all.end(), begin[k]);
+        std::vector<int> forward;
+        std::vector<int> back;
+        c.op.for_groups(
+            c.exec, colour, [&](int g) { return forward.push_back(g), true; });
+        c.op.for_groups_back(c.exec, colour, [&](int g) { back.push_back(g); });
+        EXPECT_EQ(forward, all);
+        std::reverse(all.begin(), all.end());
+        EXPECT_EQ(back, all);
     }
 }
 

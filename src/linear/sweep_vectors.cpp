@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "linear/sweep_cg.hpp"
+#include "linear/sweep_vectors.hpp"
 
 #include "linear/wide.hpp"
 
@@ -18,37 +18,37 @@ std::size_t at(int i) {
 
 }  // namespace
 
-void SweepCg::resize() {
+void SweepVectors::resize() {
     const std::size_t n = 4 * at(op_.rows().num_rows());
     for (std::vector<double>* v : {&x_, &r_, &p_, &t_, &w_, &y_, &s_})
         v->resize(n);
     sums_.assign(at(op_.rows().num_groups()), {});
 }
 
-void SweepCg::clear_row(int row, View<const Vec3d> b) {
+void SweepVectors::clear_row(int row, View<const Vec3d> b) {
     const std::size_t k = 4 * at(row);
     wide(&s_[k]) = apply_factor(op_.scale()[row], b[op_.vertex(row)]);
     for (std::vector<double>* v : {&x_, &r_, &p_, &t_, &w_, &y_})
         wide(&(*v)[k]) = Double4{};
 }
 
-void SweepCg::take_start(int row) {
+void SweepVectors::take_start_of_row(int row) {
     const std::size_t k = 4 * at(row);
     wide(&x_[k]) = wide(&t_[k]);
     wide(&s_[k]) -= wide(&w_[k]);
     wide(&t_[k]) = wide(&w_[k]) = Double4{};
 }
 
-double SweepCg::start_row(int row) {
+double SweepVectors::start_row(int row, const double* from) {
     const std::size_t k = 4 * at(row);
-    const Double4 r = use_factor_ ? wide(&s_[k]) : wide(&w_[k]);
+    const Double4 r = wide(from + k);
     wide(&r_[k]) = r;
     wide(&w_[k]) = wide(&s_[k]) = Double4{};
     return add_lanes(r * r);
 }
 
 template <class F>
-auto SweepCg::with_arrays(int group, const F& f) {
+auto SweepVectors::with_arrays(int group, const F& f) {
     const ColouredOperator& rows = op_.rows();
     const int begin = rows.rows().group_begin[at(group)];
     const int end = rows.rows().group_begin[at(group) + 1];
@@ -58,8 +58,8 @@ auto SweepCg::with_arrays(int group, const F& f) {
             detail::const_view(rows.lower().col),
             detail::const_view(rows.upper_begin),
             detail::const_view(rows.upper_col),
-            triangles.lower.data(),
-            triangles.upper.data(),
+            triangles.lower.view().data,
+            triangles.upper.view().data,
             x_.data(),
             r_.data(),
             p_.data(),
@@ -71,37 +71,37 @@ auto SweepCg::with_arrays(int group, const F& f) {
     });
 }
 
-void SweepCg::backward(int group, double alpha, double beta) {
+void SweepVectors::backward_group(int group, double alpha, double beta) {
     sums_[at(group)].rr = with_arrays(group, [=](const auto& arrays, int begin, int end) {
         return detail::sweep_backward(arrays, alpha, beta, begin, end);
     });
 }
 
-void SweepCg::forward_group(int group) {
+void SweepVectors::forward_group(int group) {
     with_arrays(group, [&](const auto& arrays, int begin, int end) {
         detail::sweep_forward(arrays, begin, end, sums_[at(group)]);
     });
 }
 
-void SweepCg::residual(int group, double alpha) {
+void SweepVectors::residual_group(int group, double alpha) {
     sums_[at(group)].rr = with_arrays(group, [=](const auto& arrays, int begin, int end) {
         return detail::sweep_residual(arrays, alpha, begin, end);
     });
 }
 
-void SweepCg::split(int group) {
+void SweepVectors::split_group(int group) {
     with_arrays(group, [&](const auto& arrays, int begin, int end) {
         detail::sweep_split(arrays, begin, end, sums_[at(group)]);
     });
 }
 
-void SweepCg::multiply_group(int group) {
+void SweepVectors::multiply_group(int group) {
     with_arrays(group, [&](const auto& arrays, int begin, int end) {
         detail::multiply_rows(arrays, begin, end, sums_[at(group)]);
     });
 }
 
-void SweepCg::factor_forward(int group, double alpha) {
+void SweepVectors::factor_forward_group(int group, double alpha) {
     const int end = op_.rows().rows().group_begin[at(group) + 1];
     for (int i = op_.rows().rows().group_begin[at(group)]; i < end; ++i) {
         const std::size_t k = 4 * at(i);
@@ -111,16 +111,16 @@ void SweepCg::factor_forward(int group, double alpha) {
     factor_.forward(op_.rows(), group, r_.data(), y_.data());
 }
 
-void SweepCg::factor_backward(int group) {
+void SweepVectors::factor_backward_group(int group) {
     sums_[at(group)].rr = factor_.backward(op_.rows(), group, r_.data(), y_.data());
 }
 
-void SweepCg::renew_rows(double beta, int begin, int end) {
+void SweepVectors::renew_rows(double beta, int begin, int end) {
     for (std::size_t k = 4 * at(begin); k < 4 * at(end); k += 4)
         wide(&t_[k]) = wide(&y_[k]) + beta * wide(&t_[k]);
 }
 
-detail::SweepSums SweepCg::total() const {
+detail::SweepSums SweepVectors::total() const {
     detail::SweepSums total;
     for (const detail::SweepSums& s : sums_) {
         total.rr += s.rr;
@@ -132,11 +132,9 @@ detail::SweepSums SweepCg::total() const {
     return total;
 }
 
-Vec3d SweepCg::result(int vertex, double alpha) const {
-    const int i = op_.rows().numbering().rank[at(vertex)];
-    if (i < 0) return {0, 0, 0};
-    const Double4 x = wide(&x_[4 * at(i)]) + alpha * wide(&t_[4 * at(i)]);
-    const InverseFactor& f = op_.scale()[i];
+Vec3d SweepVectors::result(int row, double alpha) const {
+    const Double4 x = wide(&x_[4 * at(row)]) + alpha * wide(&t_[4 * at(row)]);
+    const InverseFactor& f = op_.scale()[row];
     return {f.c0[0] * x[0] + f.c0[1] * x[1] + f.c0[2] * x[2],
             f.c1[1] * x[1] + f.c1[2] * x[2],
             f.c2[2] * x[2]};
