@@ -75,7 +75,7 @@ struct TbbOrder {
 #endif
     }
 
-    /// The same, each thread its last index first.
+    /// The same; with a team, each thread its last index first.
     template <class F>
     static void run_back(int n, const F& f) {
         if (Team* team = Team::current(); team != nullptr)
@@ -149,7 +149,8 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
         Order::run(n, grain, f);
     }
 
-    /// The same, each thread its last item first; every item is worth a task.
+    /// The same; threads that stand by take their last item first. Every item is worth a
+    /// task.
     template <class F>
     void for_each_back(const char* /*name*/, int n, F f) {
         Order::run_back(n, f);

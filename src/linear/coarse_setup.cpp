@@ -5,6 +5,7 @@
 #include "linear/wide.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace noli {
 

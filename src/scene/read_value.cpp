@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Numbers, vectors and file names of a scene; the words for what was found there and for
 /// what was expected.
+
 #include "scene/read_value.hpp"
 
 #include "mesh/source.hpp"
@@ -64,7 +65,7 @@ std::optional<double> read_number(ReadContext& context,
                                   const std::string& pointer,
                                   const NumberSpec& spec,
                                   bool* used_unit) {
-    double number = 0.0;
+    double number = std::nan("");  // what is no number fails with what is out of bounds
     if (used_unit != nullptr) *used_unit = value.is_string();
     if (value.is_string()) {
         const auto parsed = parse_quantity(value.get<std::string>(), spec.unit);
@@ -75,15 +76,8 @@ std::optional<double> read_number(ReadContext& context,
         number = std::get<double>(parsed);
     } else if (value.is_number()) {
         number = value.get<double>();
-    } else {
-        context.fail(pointer,
-                     fmt::format("found {}, expected {}{}",
-                                 found_value(value),
-                                 expected_number(spec),
-                                 number_cure(spec)));
-        return std::nullopt;
     }
-    if (spec.allows(number) && std::isfinite(number)) return number;
+    if (std::isfinite(number) && spec.allows(number)) return number;
     context.fail(pointer,
                  fmt::format("found {}, expected {}{}",
                              found_value(value),
