@@ -95,13 +95,13 @@ using Floats = float __attribute__((vector_size(4 * kBlockSize)));
 using Ints = int __attribute__((vector_size(4 * kBlockSize)));
 
 template <class Packed, class Scalar>
-inline Packed load_packed(const Scalar* from) {
+__attribute__((always_inline)) inline Packed load_packed(const Scalar* from) {
     Packed v;
     __builtin_memcpy(&v, from, sizeof v);
     return v;
 }
 
-inline unsigned bits_of(Ints mask) {
+__attribute__((always_inline)) inline unsigned bits_of(Ints mask) {
 #if defined(__SSE__)
     return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Floats>(mask)));
 #else
@@ -112,7 +112,8 @@ inline unsigned bits_of(Ints mask) {
 #endif
 }
 
-inline unsigned packed_overlap(const StaticBox& box, const StaticBlock& block) {
+__attribute__((always_inline)) inline unsigned packed_overlap(const StaticBox& box,
+                                                              const StaticBlock& block) {
     Ints hit = ~Ints{};
     for (int k = 0; k < 3; ++k) {
         hit &= load_packed<Floats>(block.lo[k]) <= box.hi[k];
@@ -120,7 +121,8 @@ inline unsigned packed_overlap(const StaticBox& box, const StaticBlock& block) {
     }
     return bits_of(hit);
 }
-inline unsigned packed_overlap(const MovingBox& box, const MovingBlock& block) {
+__attribute__((always_inline)) inline unsigned packed_overlap(const MovingBox& box,
+                                                              const MovingBlock& block) {
     Ints hit = ~Ints{};
     for (int k = 0; k < 3; ++k) {
         hit &= (load_packed<Floats>(block.start.lo[k]) <= box.start.hi[k])
@@ -132,7 +134,8 @@ inline unsigned packed_overlap(const MovingBox& box, const MovingBlock& block) {
 }
 
 template <class Ids>
-inline unsigned packed_same(int id, const IdBlock<Ids>& block) {
+__attribute__((always_inline)) inline unsigned packed_same(int id,
+                                                           const IdBlock<Ids>& block) {
     Ints same = load_packed<Ints>(block.v[0]) == id;
     for (int k = 1; k < kNumCorners<Ids>; ++k)
         same |= load_packed<Ints>(block.v[k]) == id;
@@ -144,7 +147,8 @@ inline unsigned packed_same(int id, const IdBlock<Ids>& block) {
 
 /// Bit j is set if `box` overlaps box j of the block.
 template <bool kOnDevice, class Box>
-NOLI_HD inline unsigned overlap_bits(const Box& box, const BoxBlock<Box>& block) {
+[[gnu::always_inline]] NOLI_HD inline unsigned overlap_bits(const Box& box,
+                                                            const BoxBlock<Box>& block) {
 #if !defined(__CUDACC__)
     if constexpr (!kOnDevice) return detail::packed_overlap(box, block);
 #endif
@@ -156,7 +160,8 @@ NOLI_HD inline unsigned overlap_bits(const Box& box, const BoxBlock<Box>& block)
 
 /// Bit j is set if vertex `id` belongs to primitive j of the block.
 template <bool kOnDevice, class Ids>
-NOLI_HD inline unsigned same_vertex_bits(int id, const IdBlock<Ids>& block) {
+[[gnu::always_inline]] NOLI_HD inline unsigned same_vertex_bits(
+    int id, const IdBlock<Ids>& block) {
 #if !defined(__CUDACC__)
     if constexpr (!kOnDevice) return detail::packed_same(id, block);
 #endif

@@ -11,30 +11,15 @@
 ///
 /// Source: MATH 9 (which pairs), moving_box.hpp and reach.hpp (which are far).
 
-#include "contact/bvh.hpp"
 #include "contact/candidate_pool.hpp"
 #include "contact/candidates.hpp"
 #include "contact/collision_mesh.hpp"
+#include "contact/mesh_trees.hpp"
 #include "contact/moving_box.hpp"
 #include "contact/plane_search.hpp"
 #include "contact/pool_query.hpp"
-#include "contact/tree_search.hpp"
-
-#include <tuple>
 
 namespace noli {
-
-namespace detail {
-
-/// pairs[i][0] = ids[pairs[i][0]]
-template <class Exec>
-void name_first(Exec& exec, View<const int> ids, View<Int2> pairs) {
-    exec.for_each("contact/name_first", pairs.size, [=] NOLI_HD(int i) {
-        pairs[i][0] = ids[pairs[i][0]];
-    });
-}
-
-}  // namespace detail
 
 /// The trees over a mesh, the pool and the buffers of the search, kept between queries.
 template <class Exec>
@@ -43,20 +28,16 @@ class BroadPhase {
     /// Sorts the trees anew at the next search. Results never depend on when this was
     /// called, but searches slow down when much has moved since: once per time step is
     /// enough.
-    void sort_at_next_search() { sorted_ = false; }
+    void sort_at_next_search() { trees_.sort_at_next_search(); }
 
     /// The same at once, by positions x.
     void sort(Exec& exec, const CollisionMeshView& m, View<const Vec3d> x) {
-        const MortonGrid grid = detail::grid_around(exec, m.vertices, x);
-        vertices_.sort(exec, m.vertices, grid, x);
-        triangles_.sort(exec, m.triangles, grid, x);
-        edges_.sort(exec, m.edges, grid, x);
-        sorted_ = true;
+        trees_.sort(exec, m, x);
     }
 
     /// Call when the mesh has changed.
     void forget() {
-        sorted_ = false;
+        trees_.sort_at_next_search();
         pooled_ = false;
         edge_length_ = -1.0;
     }
@@ -97,13 +78,6 @@ class BroadPhase {
     template <class T>
     using Buffer = typename Exec::template Buffer<T>;
 
-    template <class Box>
-    struct Trees {
-        BvhBoxes<Exec, Box, int> vertices;
-        BvhBoxes<Exec, Box, Int3> triangles;
-        BvhBoxes<Exec, Box, Int2> edges;
-    };
-
     /// Largest of all vertices, m.
     struct Reach {
         Later displaced;  ///< from the pool's reference
@@ -132,7 +106,7 @@ class BroadPhase {
         if (pooled)
             keep_close<Box>(exec, m, motion, gap, out);
         else
-            search<Box>(exec, m, motion, gap, out);
+            trees_.template search<Box>(exec, m, motion, gap, out);
     }
 
     /// How far a vertex travels at most, m, rounded up.
@@ -184,7 +158,7 @@ class BroadPhase {
         const double extent = exec.value(reach_.coordinate);
         range_ = {margin, gap, kRounding * (2.0 * extent + gap + margin)};
         const Motion still{reference, {}, 0.0};
-        search<StaticBox>(exec, m, still, range_.distance(), pool_);
+        trees_.template search<StaticBox>(exec, m, still, range_.distance(), pool_);
         measure_pool(exec, m, reference);
         pooled_ = true;
         policy_.built(pool_.size(), m.edges.size);
@@ -225,42 +199,8 @@ class BroadPhase {
         pooled_edge_edge_.filter.finish(exec, out.edge_edge);
     }
 
-    /// All pairs that may get closer than gap, from the trees.
-    template <class Box>
-    void search(Exec& exec,
-                const CollisionMeshView& m,
-                const Motion& motion,
-                double gap,
-                Candidates<Exec>& out) {
-        if (!sorted_) sort(exec, m, motion.x);
-        Trees<Box>& trees = std::get<Trees<Box>>(trees_);
-        trees.vertices.refit(exec, vertices_, motion, gap);
-        trees.triangles.refit(exec, triangles_, motion, 0.0);
-        // Both edges of a pair grow by half of the gap: the tree is searched with itself.
-        trees.edges.refit(exec, edges_, motion, 0.5 * gap);
-
-        const auto edges = trees.edges.view(edges_);
-        const auto near_triangles =
-            detail::tree_search(exec,
-                                trees.vertices.view(vertices_),
-                                trees.triangles.view(triangles_),
-                                detail::VertexTriangleTest{m, motion, gap});
-        const auto near_edges =
-            detail::tree_search(exec, edges, edges, detail::EdgeEdgeTest{m, motion, gap});
-        vertex_triangle_pairs_.start(exec, near_triangles, out.vertex_triangle.size());
-        edge_edge_pairs_.start(exec, near_edges, out.edge_edge.size());
-        vertex_triangle_pairs_.finish(exec, near_triangles, out.vertex_triangle);
-        detail::name_first(exec, m.vertices, out.vertex_triangle.view());
-        edge_edge_pairs_.finish(exec, near_edges, out.edge_edge);
-    }
-
-    BvhOrder<Exec, int> vertices_;
-    BvhOrder<Exec, Int3> triangles_;
-    BvhOrder<Exec, Int2> edges_;
-    std::tuple<Trees<StaticBox>, Trees<MovingBox>> trees_;
-    detail::TreePairs<Exec> vertex_triangle_pairs_, edge_edge_pairs_;
+    MeshTrees<Exec> trees_;
     detail::PlanePairs<Exec> plane_pairs_;
-    bool sorted_ = false;
 
     Candidates<Exec> pool_;  ///< its planes stay empty
     PoolRange range_{};

@@ -19,6 +19,7 @@
 
 #include "contact/box_block.hpp"
 #include "contact/moving_box.hpp"
+#include "contact/vertex_boxes.hpp"
 #include "core/morton.hpp"
 #include "core/vec.hpp"
 #include "core/view.hpp"
@@ -32,10 +33,12 @@ inline constexpr int kMaxLevels = 16;
 
 /// Where the levels of a tree lie in its array of blocks.
 struct BvhLevels {
-    int count;                   ///< 0 for an empty tree; the last level is one block
+    int count;  ///< 0 for an empty tree, else at least 2; the last level is one block
     int offset[kMaxLevels + 1];  ///< level k is blocks offset[k] .. offset[k + 1] - 1
 
-    [[nodiscard]] NOLI_HD int num_leaves() const { return count > 0 ? offset[1] : 0; }
+    [[nodiscard]] NOLI_HD int num_blocks(int level) const {
+        return count > level ? offset[level + 1] - offset[level] : 0;
+    }
 };
 
 NOLI_HD inline BvhLevels bvh_levels(int num_primitives) {
@@ -45,7 +48,7 @@ NOLI_HD inline BvhLevels bvh_levels(int num_primitives) {
         n = (n + kBlockSize - 1) / kBlockSize;
         levels.offset[levels.count + 1] = levels.offset[levels.count] + n;
         ++levels.count;
-        if (n == 1) break;
+        if (n == 1 && levels.count > 1) break;
     }
     return levels;
 }
@@ -63,14 +66,26 @@ struct BvhView {
     }
 };
 
-/// Calls visit(leaf) for every leaf >= first_leaf whose box overlaps `query`.
-template <bool kOnDevice, class Box, class Ids, class Visit>
-NOLI_HD inline void visit_leaves(const BvhView<Box, Ids>& tree,
+/// Box of all that block j of a level holds.
+template <class Box, class Ids>
+NOLI_HD inline Box box_of_block(const BvhView<Box, Ids>& tree, int level, int j) {
+    if (level + 1 < tree.levels.count)
+        return load(tree.block(level + 1, j / kBlockSize), j % kBlockSize);
+    Box box;
+    make_empty(box);
+    for (int place = 0; place < kBlockSize; ++place)
+        merge_into(box, load(tree.block(level, j), place));
+    return box;
+}
+
+/// Calls visit(j) for every block j >= first of level kLevel whose box overlaps `query`.
+template <bool kOnDevice, int kLevel, class Box, class Ids, class Visit>
+NOLI_HD inline void visit_blocks(const BvhView<Box, Ids>& tree,
                                  const Box& query,
-                                 int first_leaf,
-                                 Visit& visit) {
+                                 int first,
+                                 const Visit& visit) {
     if (tree.levels.count == 0) return;
-    if (tree.levels.count == 1) return visit(0);
+    if (tree.levels.count == kLevel + 1) return visit(0);
     // A block pushes at most three more entries than it takes.
     int stack[(kBlockSize - 1) * kMaxLevels];
     int size = 0;
@@ -78,11 +93,11 @@ NOLI_HD inline void visit_leaves(const BvhView<Box, Ids>& tree,
     int j = 0;
     while (true) {
         unsigned bits = overlap_bits<kOnDevice>(query, tree.block(level, j));
-        const int first = (first_leaf >> (2 * (level - 1))) - kBlockSize * j;
-        if (first > 0) bits &= ~0U << first;
+        const int skipped = (first >> (2 * (level - 1 - kLevel))) - kBlockSize * j;
+        if (skipped > 0) bits &= ~0U << skipped;
         for (; bits != 0; bits &= bits - 1) {
             const int child = kBlockSize * j + lowest_bit(bits);
-            if (level == 1)
+            if (level == kLevel + 1)
                 visit(child);
             else
                 stack[size++] = child * kMaxLevels + level - 1;
@@ -156,19 +171,18 @@ void gather_ids(Exec& exec,
     });
 }
 
-/// Level 0: boxes of the primitives, each grown by gap.
-template <class Exec, class Ids, class Box>
+/// Level 0: boxes of the primitives, each the union of those of its vertices.
+template <class Exec, class Ids, class Box, class VertexBoxes>
 void primitive_boxes(Exec& exec,
                      View<const IdBlock<Ids>> ids,
-                     Motion motion,
-                     double gap,
+                     VertexBoxes vertices,
                      View<BoxBlock<Box>> blocks) {
     exec.for_each("contact/primitive_boxes", ids.size, [=] NOLI_HD(int j) {
         for (int place = 0; place < kBlockSize; ++place) {
             Box box;
             make_empty(box);
             for (int k = 0; k < kNumCorners<Ids> && ids[j].v[0][place] >= 0; ++k)
-                add_vertex(box, motion, ids[j].v[k][place], gap);
+                vertices.add_to(box, ids[j].v[k][place]);
             store(blocks[j], place, box);
         }
     });
@@ -221,15 +235,14 @@ class BvhOrder {
 template <class Exec, class Box, class Ids>
 class BvhBoxes {
   public:
-    /// Computes all boxes for a motion, those of the primitives grown by `gap` (m) on all
-    /// sides.
+    /// Computes all boxes from those of the vertices (MotionBoxes, KnownBoxes).
+    template <class VertexBoxes>
     void refit(Exec& exec,
                const BvhOrder<Exec, Ids>& order,
-               const Motion& motion,
-               double gap) {
+               const VertexBoxes& vertices) {
         levels_ = bvh_levels(order.order().size);
         blocks_.resize(levels_.offset[levels_.count]);
-        detail::primitive_boxes<Exec, Ids, Box>(exec, order.ids(), motion, gap, level(0));
+        detail::primitive_boxes<Exec, Ids, Box>(exec, order.ids(), vertices, level(0));
         for (int k = 1; k < levels_.count; ++k)
             detail::merge_level<Exec, Box>(exec, level(k - 1), level(k));
     }

@@ -84,9 +84,7 @@ struct EdgeTriangleExactTest {
     CollisionMeshView mesh;
     View<const Vec3d> x;
 
-    NOLI_HD bool operator()(int edge, int triangle) const {
-        const Int2& e = mesh.edges[edge];
-        const Int3& t = mesh.triangles[triangle];
+    NOLI_HD bool operator()(const Int2& e, const Int3& t) const {
         int shared = 0;
         int movable = 0;
         for (int i = 0; i < 2; ++i)
@@ -105,12 +103,9 @@ struct VertexTriangleExactTest {
     static constexpr bool kSelf = false;
     static constexpr bool kSkipShared = true;
     CollisionMeshView mesh;
-    View<const int> points;
     View<const Vec3d> x;
 
-    NOLI_HD bool operator()(int point, int triangle) const {
-        const int vertex = points[point];
-        const Int3& t = mesh.triangles[triangle];
+    NOLI_HD bool operator()(int vertex, const Int3& t) const {
         return mesh.may_collide(vertex, t)
             && point_on_triangle(x[vertex], x[t.v[0]], x[t.v[1]], x[t.v[2]]);
     }
@@ -165,9 +160,11 @@ class IntersectionCheck {
         point_order_.sort(exec, points, grid, x);
         // Boxes are rounded outwards, so touching primitives have overlapping boxes
         // without a gap.
-        edge_boxes_.refit(exec, edges_, still, 0.0);
-        triangle_boxes_.refit(exec, triangles_, still, 0.0);
-        point_boxes_.refit(exec, point_order_, still, 0.0);
+        edge_boxes_.refit(exec, edges_, detail::MotionBoxes<StaticBox>{still, 0.0});
+        triangle_boxes_.refit(
+            exec, triangles_, detail::MotionBoxes<StaticBox>{still, 0.0});
+        point_boxes_.refit(
+            exec, point_order_, detail::MotionBoxes<StaticBox>{still, 0.0});
 
         Intersections found;
         const auto triangles = triangle_boxes_.view(triangles_);
@@ -175,7 +172,7 @@ class IntersectionCheck {
         detail::find_tree_pairs(
             exec, edge_boxes_.view(edges_), triangles, edge_test, work_, pairs_);
         add_edges(x, found);
-        const detail::VertexTriangleExactTest point_test{m, points, x};
+        const detail::VertexTriangleExactTest point_test{m, x};
         detail::find_tree_pairs(
             exec, point_boxes_.view(point_order_), triangles, point_test, work_, pairs_);
         add_points(x, found);

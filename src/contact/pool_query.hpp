@@ -29,9 +29,7 @@ struct VertexTriangleTest {
     Motion motion;
     double gap;
 
-    NOLI_HD bool operator()(int query, int triangle) const {
-        const int vertex = mesh.vertices[query];
-        const Int3& corners = mesh.triangles[triangle];
+    NOLI_HD bool operator()(int vertex, const Int3& corners) const {
         return may_get_close(motion, vertex, corners, gap)
             && mesh.may_collide(vertex, corners);
     }
@@ -45,9 +43,7 @@ struct EdgeEdgeTest {
     Motion motion;
     double gap;
 
-    NOLI_HD bool operator()(int edge_a, int edge_b) const {
-        const Int2& a = mesh.edges[edge_a];
-        const Int2& b = mesh.edges[edge_b];
+    NOLI_HD bool operator()(const Int2& a, const Int2& b) const {
         return may_get_close(motion, a, b, gap) && mesh.may_collide(a, b);
     }
 };

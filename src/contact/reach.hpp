@@ -28,9 +28,9 @@ NOLI_HD inline double size_of_pair(View<const Vec3d> x, const IdsA& a, const Ids
     const Vec3d& origin = x[corner(a, 0)];
     double size = 0.0;
     for (int k = 1; k < kNumCorners<IdsA>; ++k)
-        size = std::fmax(size, max_abs(x[corner(a, k)] - origin));
+        size = larger(size, max_abs(x[corner(a, k)] - origin));
     for (int k = 0; k < kNumCorners<IdsB>; ++k)
-        size = std::fmax(size, max_abs(x[corner(b, k)] - origin));
+        size = larger(size, max_abs(x[corner(b, k)] - origin));
     return size;
 }
 

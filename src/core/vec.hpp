@@ -84,9 +84,14 @@ NOLI_HD inline Vec3<T> normalized(const Vec3<T>& a) {
     return (T(1) / norm(a)) * a;
 }
 
+/// The larger of two numbers; b if one is not a number. Unlike std::fmax no call.
+NOLI_HD inline double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
 /// Largest absolute component.
 NOLI_HD inline double max_abs(const Vec3<double>& a) {
-    return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+    return larger(std::fabs(a.x), larger(std::fabs(a.y), std::fabs(a.z)));
 }
 
 /// 3x3 matrix, row-major: m(row, col).

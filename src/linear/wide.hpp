@@ -1,28 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Four doubles at a time, for loops that are compiled once for AVX2 and once without.
+/// Four doubles at a time, for loops that are compiled once for AVX2 and once without
+/// (exec/avx2.hpp).
 
-#include "exec/lanes.hpp"
+#include "exec/avx2.hpp"
 #include "linear/sweeps.hpp"
 
 namespace noli::detail {
-
-#if defined(__x86_64__)
-template <class F>
-__attribute__((target("avx2"), flatten)) auto call_with_avx2(const F& f) {
-    return f();
-}
-#endif
-
-/// f(), compiled for AVX2 with all that it calls where the machine has it. The bits are
-/// the same without.
-template <class F>
-auto with_avx2(const F& f) {
-#if defined(__x86_64__)
-    if (lane_dispatch() != LaneDispatch::Width2) return call_with_avx2(f);
-#endif
-    return f();
-}
 
 typedef double Wide __attribute__((vector_size(32), aligned(8), may_alias));
 
