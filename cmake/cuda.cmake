@@ -2,15 +2,12 @@
 # The CUDA engine, as one more source of the room sim. Programs link without a driver and without a
 # GPU: the runtime is linked statically and looks for the driver when it is first called.
 
-# nvcc is often installed but not on the search path.
+# CMake reads CUDACXX itself: it may hold options.
 if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
-  find_program(NOLI_NVCC nvcc HINTS $ENV{CUDAToolkit_ROOT} $ENV{CUDA_PATH} /usr/local/cuda PATH_SUFFIXES bin)
-  mark_as_advanced(NOLI_NVCC)
-  if(NOT NOLI_NVCC)
-    message(FATAL_ERROR "NOLI_CUDA needs nvcc, which is neither on the search path nor in "
-      "/usr/local/cuda/bin: install the CUDA toolkit, or set CUDACXX to its nvcc")
-  endif()
-  set(CMAKE_CUDA_COMPILER ${NOLI_NVCC})
+  set(CMAKE_CUDA_COMPILER ${noli_nvcc})
+endif()
+if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+  set(CMAKE_CUDA_ARCHITECTURES "80-real;90")
 endif()
 enable_language(CUDA)
 # What ptxas says of registers and spills stays beside the object files: tools/check_ptxas.py.

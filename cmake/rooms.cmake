@@ -80,7 +80,7 @@ noli_room(output DEPS core LIBS fmt::fmt ZLIB::ZLIB
   $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> $<BUILD_INTERFACE:noli_xxhash>)
 noli_room(sim DEPS core exec scene mesh model contact objective linear step output LIBS fmt::fmt)
 
-if(NOLI_CUDA)
+if(NOLI_WITH_CUDA)
   include(${CMAKE_CURRENT_LIST_DIR}/cuda.cmake)
 endif()
 
