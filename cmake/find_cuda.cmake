@@ -40,4 +40,7 @@ if(NOLI_CUDA)
 endif()
 if(NOLI_WITH_CUDA)
   message(STATUS "CUDA engine: yes, ${noli_nvcc}")
+  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)  # targets take it when they are made
+    set(CMAKE_CUDA_ARCHITECTURES "80-real;90")
+  endif()
 endif()

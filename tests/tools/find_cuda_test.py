@@ -26,7 +26,7 @@ class FindCuda(unittest.TestCase):
 
     def choose(self, wish, nvcc, gpu):
         """(whether CUDA is built, what the configuration says)"""
-        script = self.file("choose.cmake", f'include("{MODULE}")\nmessage(STATUS "with cuda: ${{NOLI_WITH_CUDA}}")\n')
+        script = self.file("choose.cmake", f'include("{MODULE}")\nmessage(STATUS "with cuda: ${{NOLI_WITH_CUDA}} ${{CMAKE_CUDA_ARCHITECTURES}}")\n')
         done = subprocess.run(["cmake", f"-DNOLI_CUDA={wish}", f"-DNOLI_GPU_DEVICE={gpu}", "-P", script],
                               env=dict(os.environ, CUDACXX=str(nvcc)), capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -36,6 +36,7 @@ class FindCuda(unittest.TestCase):
         built, said = self.choose("AUTO", self.nvcc("13.0"), self.file("gpu"))
         self.assertTrue(built)
         self.assertIn("CUDA engine: yes", said)
+        self.assertIn("with cuda: ON 80-real;90", said)
 
     def test_options_of_the_compiler_do_no_harm(self):
         self.assertTrue(self.choose("AUTO", f"{self.nvcc('12.4')} -ccbin g++", self.file("gpu"))[0])
