@@ -95,13 +95,13 @@ using Floats = float __attribute__((vector_size(4 * kBlockSize)));
 using Ints = int __attribute__((vector_size(4 * kBlockSize)));
 
 template <class Packed, class Scalar>
-__attribute__((always_inline)) inline Packed load_packed(const Scalar* from) {
+[[gnu::always_inline]] inline Packed load_packed(const Scalar* from) {
     Packed v;
     __builtin_memcpy(&v, from, sizeof v);
     return v;
 }
 
-__attribute__((always_inline)) inline unsigned bits_of(Ints mask) {
+[[gnu::always_inline]] inline unsigned bits_of(Ints mask) {
 #if defined(__SSE__)
     return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Floats>(mask)));
 #else
@@ -112,8 +112,8 @@ __attribute__((always_inline)) inline unsigned bits_of(Ints mask) {
 #endif
 }
 
-__attribute__((always_inline)) inline unsigned packed_overlap(const StaticBox& box,
-                                                              const StaticBlock& block) {
+[[gnu::always_inline]] inline unsigned packed_overlap(const StaticBox& box,
+                                                      const StaticBlock& block) {
     Ints hit = ~Ints{};
     for (int k = 0; k < 3; ++k) {
         hit &= load_packed<Floats>(block.lo[k]) <= box.hi[k];
@@ -121,8 +121,8 @@ __attribute__((always_inline)) inline unsigned packed_overlap(const StaticBox& b
     }
     return bits_of(hit);
 }
-__attribute__((always_inline)) inline unsigned packed_overlap(const MovingBox& box,
-                                                              const MovingBlock& block) {
+[[gnu::always_inline]] inline unsigned packed_overlap(const MovingBox& box,
+                                                      const MovingBlock& block) {
     Ints hit = ~Ints{};
     for (int k = 0; k < 3; ++k) {
         hit &= (load_packed<Floats>(block.start.lo[k]) <= box.start.hi[k])
@@ -134,8 +134,7 @@ __attribute__((always_inline)) inline unsigned packed_overlap(const MovingBox& b
 }
 
 template <class Ids>
-__attribute__((always_inline)) inline unsigned packed_same(int id,
-                                                           const IdBlock<Ids>& block) {
+[[gnu::always_inline]] inline unsigned packed_same(int id, const IdBlock<Ids>& block) {
     Ints same = load_packed<Ints>(block.v[0]) == id;
     for (int k = 1; k < kNumCorners<Ids>; ++k)
         same |= load_packed<Ints>(block.v[k]) == id;

@@ -7,7 +7,8 @@
 /// overlap; what it finds is tested along the line through the centres and the common
 /// normal too (moving_box.hpp), and whether the motion is long enough to bring it close
 /// (reach.hpp): that leaves out most neighbours on a smooth surface, and saves more time
-/// downstream than it costs. Most queries need no tree search: see candidate_pool.hpp.
+/// downstream than it costs. Most queries need no search of the trees, or one with a few
+/// primitives: see candidate_pool.hpp.
 ///
 /// Source: MATH 9 (which pairs), moving_box.hpp and reach.hpp (which are far).
 
@@ -18,6 +19,7 @@
 #include "contact/moving_box.hpp"
 #include "contact/plane_search.hpp"
 #include "contact/pool_query.hpp"
+#include "contact/query_reach.hpp"
 
 namespace noli {
 
@@ -33,6 +35,7 @@ class BroadPhase {
     /// The same at once, by positions x.
     void sort(Exec& exec, const CollisionMeshView& m, View<const Vec3d> x) {
         trees_.sort(exec, m, x);
+        trees_hold_pool_ = false;
     }
 
     /// Call when the mesh has changed.
@@ -51,9 +54,18 @@ class BroadPhase {
         const CollisionMeshView m = mesh.view();
         reach_.travel = detail::largest_travel(exec, m.vertices, p);
         reach_.coordinate = detail::largest_coordinate(exec, m.vertices, x);
-        if (pooled_)
-            reach_.displaced = detail::largest_displacement(
-                exec, m.vertices, View<const Vec3d>(reference_.view()), x);
+        reach_.long_travels = detail::count_long_travels(
+            exec,
+            m.vertices,
+            p,
+            PoolPolicy::longest_travel(policy_.widest(range_.gap, edge_length_)));
+        if (pooled_) {
+            const View<const Vec3d> reference(reference_.view());
+            reach_.displaced =
+                detail::largest_displacement(exec, m.vertices, reference, x);
+            reach_.far =
+                detail::count_far(exec, m.vertices, reference, x, p, range_.margin);
+        }
         if (edge_length_ < 0.0)
             reach_.edge_lengths = detail::sum_of_lengths(exec, m.edge_rest_sq);
     }
@@ -77,14 +89,6 @@ class BroadPhase {
   private:
     template <class T>
     using Buffer = typename Exec::template Buffer<T>;
-
-    /// Largest of all vertices, m.
-    struct Reach {
-        Later displaced;  ///< from the pool's reference
-        Later travel;     ///< along all of p
-        Later coordinate;
-        Later edge_lengths;  ///< sum over the edges
-    };
 
     /// What belongs to one list of the pool.
     struct PooledPairs {
@@ -115,15 +119,18 @@ class BroadPhase {
         return detail::reach_up(motion.alpha * exec.value(reach_.travel));
     }
 
-    /// Whether the pool holds all pairs of that query.
+    /// Whether the pool holds the pairs of all but a few primitives of that query.
     bool covers(Exec& exec,
                 const CollisionMeshView& m,
                 const Motion& motion,
                 double gap) {
         if (!pooled_ || gap != range_.gap || m.vertices.size == 0) return false;
-        return detail::reach_up(exec.value(reach_.displaced))
-                 + largest_travel(exec, motion)
-            <= range_.margin;
+        const double most =
+            detail::reach_up(exec.value(reach_.displaced)) + largest_travel(exec, motion);
+        some_far_ = !(most <= range_.margin);
+        return !some_far_
+            || (trees_hold_pool_ && most < INFINITY
+                && PoolPolicy::few(exec.value(reach_.far), m.vertices.size));
     }
 
     /// A pool that covers this motion and what comes after it, if that seems worth it.
@@ -138,11 +145,26 @@ class BroadPhase {
             edge_length_ = m.edge_rest_sq.size == 0
                              ? 0.0
                              : exec.value(reach_.edge_lengths) / m.edge_rest_sq.size;
-        const double travel = largest_travel(exec, motion);
-        const double margin = policy_.margin_for(travel, gap, edge_length_);
-        if (!(margin > travel)) return false;
+        const double margin = margin_for(exec, m, motion, gap);
+        if (!(margin > 0.0)) return false;
         fill_pool(exec, m, motion.x, gap, margin);
+        some_far_ = !(largest_travel(exec, motion) <= margin);
         return true;
+    }
+
+    /// Margin of a pool for this motion and what comes after it; 0: none is worth it.
+    double margin_for(Exec& exec,
+                      const CollisionMeshView& m,
+                      const Motion& motion,
+                      double gap) {
+        double travel = largest_travel(exec, motion);
+        const double longest =
+            PoolPolicy::longest_travel(policy_.widest(gap, edge_length_));
+        const bool known = gap == range_.gap && travel < INFINITY;
+        if (travel > longest && known
+            && PoolPolicy::few(exec.value(reach_.long_travels), m.vertices.size))
+            travel = longest;
+        return policy_.margin_for(travel, gap, edge_length_);
     }
 
     /// A pool around x.
@@ -161,6 +183,7 @@ class BroadPhase {
         trees_.template search<StaticBox>(exec, m, still, range_.distance(), pool_);
         measure_pool(exec, m, reference);
         pooled_ = true;
+        trees_hold_pool_ = true;
         policy_.built(pool_.size(), m.edges.size);
     }
 
@@ -187,7 +210,9 @@ class BroadPhase {
                                View<const Vec3d>(reference_.view()),
                                motion,
                                reaches_.view());
-        const detail::PoolQuery query{m, motion, gap, reaches_.view()};
+        const float margin =
+            some_far_ ? static_cast<float>(range_.margin * (1.0 - 1e-6)) : INFINITY;
+        const detail::PoolQuery query{m, motion, gap, reaches_.view(), margin};
         const auto start = [&](PooledPairs& pooled, Buffer<Int2>& pairs, auto keeps) {
             pooled.filter.start(exec, pairs.view(), pooled.distances.view(), keeps);
         };
@@ -195,20 +220,30 @@ class BroadPhase {
               pool_.vertex_triangle,
               detail::PooledVertexTriangle<Box>{query});
         start(pooled_edge_edge_, pool_.edge_edge, detail::PooledEdgeEdge<Box>{query});
-        pooled_vertex_triangle_.filter.finish(exec, out.vertex_triangle);
-        pooled_edge_edge_.filter.finish(exec, out.edge_edge);
+        if (some_far_) trees_.template start_far<Box>(exec, query, range_.distance());
+        Candidates<Exec>& near = some_far_ ? near_ : out;
+        pooled_vertex_triangle_.filter.finish(exec, near.vertex_triangle);
+        pooled_edge_edge_.filter.finish(exec, near.edge_edge);
+        if (!some_far_) return;
+        trees_.template finish_far<Box>(exec, query, range_.distance(), far_);
+        detail::merge_pairs(
+            exec, near_.vertex_triangle, far_.vertex_triangle, out.vertex_triangle);
+        detail::merge_pairs(exec, near_.edge_edge, far_.edge_edge, out.edge_edge);
     }
 
     MeshTrees<Exec> trees_;
     detail::PlanePairs<Exec> plane_pairs_;
 
-    Candidates<Exec> pool_;  ///< its planes stay empty
+    Candidates<Exec> pool_;        ///< its planes stay empty
+    Candidates<Exec> near_, far_;  ///< pairs of the pool, and those with far primitives
     PoolRange range_{};
-    Reach reach_;
+    QueryReach reach_;
     Buffer<Vec3d> reference_;
     Buffer<VertexReach> reaches_;
     PooledPairs pooled_vertex_triangle_, pooled_edge_edge_;
     bool pooled_ = false;
+    bool trees_hold_pool_ = false;  ///< their standing boxes are those of the pool
+    bool some_far_ = false;         ///< in the present query
     PoolPolicy policy_;
     double edge_length_ = -1.0;  ///< mean, m; negative: not known yet
 };

@@ -243,6 +243,11 @@ class BvhBoxes {
         levels_ = bvh_levels(order.order().size);
         blocks_.resize(levels_.offset[levels_.count]);
         detail::primitive_boxes<Exec, Ids, Box>(exec, order.ids(), vertices, level(0));
+        merge_levels(exec);
+    }
+    /// The blocks of level 0, to be changed; call merge_levels after that.
+    View<BoxBlock<Box>> leaves() { return level(0); }
+    void merge_levels(Exec& exec) {
         for (int k = 1; k < levels_.count; ++k)
             detail::merge_level<Exec, Box>(exec, level(k - 1), level(k));
     }

@@ -9,12 +9,13 @@
 /// are displaced from the reference and travel on by no more than `margin` (sum of the
 /// largest of both) can bring no other pair closer than gap, and of the pool only pairs
 /// whose distance is below gap + displacement + travel of their own vertices. What is
-/// left takes the tests of a tree search (within_reach among them): a query finds the
-/// same candidates with a pool and without, bit for bit.
+/// left takes the tests of a tree search (within_reach among them). Where a few vertices
+/// go farther, the pairs of their primitives are searched for (far_search.hpp) and all
+/// others come from the pool. A query finds the same candidates with a pool and without,
+/// bit for bit.
 
 #include "contact/collision_mesh.hpp"
 #include "contact/reach.hpp"
-#include "exec/later.hpp"
 
 #include <cstdint>
 
@@ -59,41 +60,6 @@ void vertex_reaches(Exec& exec,
     });
 }
 
-/// Largest distance of a vertex of the surface from the reference, m.
-template <class Exec>
-Later largest_displacement(Exec& exec,
-                           View<const int> vertices,
-                           View<const Vec3d> reference,
-                           View<const Vec3d> x) {
-    return exec.max_later(
-        "contact/largest_displacement", vertices.size, [=] NOLI_HD(int i) {
-            return norm(x[vertices[i]] - reference[vertices[i]]);
-        });
-}
-
-/// Largest |p| of a vertex of the surface, m; 0 where p is empty.
-template <class Exec>
-Later largest_travel(Exec& exec, View<const int> vertices, View<const Vec3d> p) {
-    return exec.max_later("contact/largest_travel",
-                          p.size > 0 ? vertices.size : 0,
-                          [=] NOLI_HD(int i) { return norm(p[vertices[i]]); });
-}
-
-/// Largest coordinate of a vertex of the surface, m.
-template <class Exec>
-Later largest_coordinate(Exec& exec, View<const int> vertices, View<const Vec3d> x) {
-    return exec.max_later("contact/largest_coordinate",
-                          vertices.size,
-                          [=] NOLI_HD(int i) { return max_abs(x[vertices[i]]); });
-}
-
-template <class Exec>
-Later sum_of_lengths(Exec& exec, View<const double> length_sq) {
-    return exec.sum_later("contact/edge_lengths", length_sq.size, [=] NOLI_HD(int e) {
-        return std::sqrt(length_sq[e]);
-    });
-}
-
 /// A distance that is surely not above the true one, as a float.
 template <class IdsA, class IdsB>
 NOLI_HD inline float distance_below(View<const Vec3d> x, const IdsA& a, const IdsB& b) {
@@ -130,11 +96,23 @@ void pool_distances(Exec& exec,
 /// When to build a pool and how wide. Decides about time only, never about results.
 class PoolPolicy {
   public:
-    /// Margin of a pool for a motion of that size, m; no more than `travel`: search
-    /// without one. `edge` = mean length of an edge, m.
+    /// Widest margin of a pool at present, m. `edge` = mean length of an edge, m.
+    [[nodiscard]] double widest(double gap, double edge) const {
+        return share_ * (kOfEdge * edge + kOfGap * gap);
+    }
+    /// Motions of up to this are short enough for a pool of that margin.
+    [[nodiscard]] static double longest_travel(double widest) { return 0.5 * widest; }
+
+    /// Whether so few vertices may go farther than a pool allows.
+    [[nodiscard]] static bool few(double num_far, int num_vertices) {
+        return num_far <= kFewest || num_far <= kFewShare * num_vertices;
+    }
+
+    /// Margin of a pool for a motion of that size, m; 0: search without one.
+    /// `edge` = mean length of an edge, m.
     [[nodiscard]] double margin_for(double travel, double gap, double edge) {
-        const double most = share_ * (kOfEdge * edge + kOfGap * gap);
-        if (!(2.0 * travel <= most)) return 0.0;
+        const double most = widest(gap, edge);
+        if (!(travel <= longest_travel(most))) return 0.0;
         if (pause_ > 0) {
             --pause_;
             return 0.0;
@@ -144,7 +122,7 @@ class PoolPolicy {
     /// Large pools take longer than they save: the next ones get smaller.
     void built(int num_pairs, int num_edges) {
         used_ = false;
-        if (num_pairs > num_edges / 4)
+        if (num_pairs > num_edges)
             share_ *= 0.7;
         else if (share_ < 1.0)
             share_ *= 1.05;
@@ -162,6 +140,8 @@ class PoolPolicy {
     }
 
   private:
+    static constexpr double kFewest = 4.0;
+    static constexpr double kFewShare = 0.03;
     static constexpr double kOfEdge = 0.1;
     static constexpr double kOfGap = 0.25;
     static constexpr int kLongestPause = 8;

@@ -7,6 +7,7 @@
 #include "contact/bvh.hpp"
 #include "contact/candidates.hpp"
 #include "contact/collision_mesh.hpp"
+#include "contact/far_search.hpp"
 #include "contact/moving_box.hpp"
 #include "contact/pool_query.hpp"
 #include "contact/tree_search.hpp"
@@ -68,6 +69,35 @@ class MeshTrees {
         edge_edge_pairs_.finish(exec, near_edges, out.edge_edge);
     }
 
+    /// Starts to look for all pairs of a pool's query with a primitive that goes farther
+    /// than the pool's margin. The last search of standing boxes was the pool's, with gap
+    /// `pool_gap` (m).
+    template <class Box>
+    void start_far(Exec& exec, const detail::PoolQuery& query, double pool_gap) {
+        Boxes<StaticBox>& trees = std::get<Boxes<StaticBox>>(boxes_);
+        const auto grow = [&](auto& boxes, const auto& order, double gap) {
+            detail::grow_far_boxes(exec, order.ids(), query, gap, boxes.leaves());
+            boxes.merge_levels(exec);
+        };
+        grow(trees.vertices, vertices_, pool_gap);
+        grow(trees.triangles, triangles_, 0.0);
+        grow(trees.edges, edges_, 0.5 * pool_gap);
+        vertex_triangle_pairs_.start(exec, far_triangles<Box>(query, pool_gap), 0);
+        edge_edge_pairs_.start(exec, far_edges<Box>(query, pool_gap), 0);
+    }
+
+    /// out = those pairs, as `search` lists them. Waits.
+    template <class Box>
+    void finish_far(Exec& exec,
+                    const detail::PoolQuery& query,
+                    double pool_gap,
+                    Candidates<Exec>& out) {
+        vertex_triangle_pairs_.finish(
+            exec, far_triangles<Box>(query, pool_gap), out.vertex_triangle);
+        detail::name_first(exec, query.mesh.vertices, out.vertex_triangle.view());
+        edge_edge_pairs_.finish(exec, far_edges<Box>(query, pool_gap), out.edge_edge);
+    }
+
   private:
     template <class T>
     using Buffer = typename Exec::template Buffer<T>;
@@ -102,6 +132,22 @@ class MeshTrees {
         trees.triangles.refit(
             exec, triangles_, detail::KnownBoxes<Box>{trees.corners.view()});
         trees.edges.refit(exec, edges_, detail::KnownBoxes<Box>{trees.grown.view()});
+    }
+
+    template <class Box>
+    detail::FarVertexTriangle<Exec::kIsDevice, Box> far_triangles(
+        const detail::PoolQuery& query, double pool_gap) const {
+        const auto& trees = std::get<Boxes<StaticBox>>(boxes_);
+        return {trees.vertices.view(vertices_),
+                trees.triangles.view(triangles_),
+                {query},
+                pool_gap};
+    }
+    template <class Box>
+    detail::FarEdgeEdge<Exec::kIsDevice, Box> far_edges(const detail::PoolQuery& query,
+                                                        double pool_gap) const {
+        const auto& trees = std::get<Boxes<StaticBox>>(boxes_);
+        return {trees.edges.view(edges_), {query}, 0.5 * pool_gap};
     }
 
     BvhOrder<Exec, int> vertices_;

@@ -76,13 +76,23 @@ struct PoolQuery {
     Motion motion;
     double gap;
     View<const VertexReach> reaches;
+    float margin;  ///< of the pool, m; infinite where nothing goes farther
 
-    /// False only for pairs that no search would accept.
+    /// True if the pool does not know all pairs of this primitive.
+    template <class Ids>
+    [[nodiscard]] NOLI_HD bool is_far(const Ids& ids) const {
+        return !(reach_of(reaches, ids) <= margin);
+    }
+
+    /// False for pairs that no search would accept, and for those with a far primitive.
     template <class IdsA, class IdsB>
     [[nodiscard]] NOLI_HD bool worth_a_test(const IdsA& a,
                                             const IdsB& b,
                                             float distance) const {
-        const float reach = reach_of(reaches, a) + reach_of(reaches, b);
+        const float reach_a = reach_of(reaches, a);
+        const float reach_b = reach_of(reaches, b);
+        if (!(reach_a <= margin) || !(reach_b <= margin)) return false;
+        const float reach = reach_a + reach_b;
         return !(distance >= static_cast<float>(gap) * 1.000001F + reach * 1.000001F);
     }
 };
@@ -93,12 +103,21 @@ struct PooledVertexTriangle {
     PoolQuery query;
 
     NOLI_HD bool operator()(const Int2& pair, float distance) const {
-        const Motion& motion = query.motion;
         const Int3& corners = query.mesh.triangles[pair[1]];
         return query.worth_a_test(pair[0], corners, distance)
-            && overlap(box_of<Box>(motion, pair[0], query.gap),
+            && would_be_found(pair[0], corners);
+    }
+    /// For a pair that the pool has not seen.
+    NOLI_HD bool accepts(int vertex, const Int3& corners) const {
+        return query.mesh.may_collide(vertex, corners) && would_be_found(vertex, corners);
+    }
+
+  private:
+    NOLI_HD bool would_be_found(int vertex, const Int3& corners) const {
+        const Motion& motion = query.motion;
+        return overlap(box_of<Box>(motion, vertex, query.gap),
                        box_of<Box>(motion, corners, 0.0))
-            && may_get_close(motion, pair[0], corners, query.gap);
+            && may_get_close(motion, vertex, corners, query.gap);
     }
 };
 
@@ -108,11 +127,19 @@ struct PooledEdgeEdge {
     PoolQuery query;
 
     NOLI_HD bool operator()(const Int2& pair, float distance) const {
-        const Motion& motion = query.motion;
         const Int2& a = query.mesh.edges[pair[0]];
         const Int2& b = query.mesh.edges[pair[1]];
-        return query.worth_a_test(a, b, distance)
-            && overlap(box_of<Box>(motion, a, 0.5 * query.gap),
+        return query.worth_a_test(a, b, distance) && would_be_found(a, b);
+    }
+    /// For a pair that the pool has not seen.
+    NOLI_HD bool accepts(const Int2& a, const Int2& b) const {
+        return query.mesh.may_collide(a, b) && would_be_found(a, b);
+    }
+
+  private:
+    NOLI_HD bool would_be_found(const Int2& a, const Int2& b) const {
+        const Motion& motion = query.motion;
+        return overlap(box_of<Box>(motion, a, 0.5 * query.gap),
                        box_of<Box>(motion, b, 0.5 * query.gap))
             && may_get_close(motion, a, b, query.gap);
     }

@@ -15,9 +15,13 @@
 
 namespace noli::detail {
 
+/// Leaves in a group of a search.
+template <class Search>
+inline constexpr int kLeavesOfGroup = Search::kLevel == 0 ? 1 : kBlockSize;
+
 /// Groups of a search that are worth a task: eight leaves.
 template <class Search>
-inline constexpr int kGroupGrain = Search::kLevel == 0 ? 8 : 2;
+inline constexpr int kGroupGrain = 8 / kLeavesOfGroup<Search>;
 
 /// Slots per leaf: groups that find more search a second time. Adapted to what the last
 /// search found; the result does not depend on it.
@@ -109,7 +113,7 @@ class TreePairs {
     void start(Exec& exec, const Search& search, int expected) {
         const int num_groups = search.num_groups();
         const int wanted = num_groups > 0 ? 3 * (expected / num_groups) : 0;
-        constexpr int kLeaves = Search::kLevel == 0 ? 1 : kBlockSize;
+        constexpr int kLeaves = kLeavesOfGroup<Search>;
         per_group_ = std::clamp(wanted, kLeaves * kFewestSlots, kLeaves * kMostSlots);
         slots_.resize(num_groups * per_group_);
         counts_.resize(num_groups);

@@ -26,6 +26,15 @@ struct KnownBoxes {
     NOLI_HD void add_to(Box& box, int vertex) const { merge_into(box, boxes[vertex]); }
 };
 
+/// The box of a vertex, grown by `gap` (m).
+template <class Box>
+NOLI_HD inline Box box_around(const Motion& motion, int vertex, double gap) {
+    Box box;
+    make_empty(box);
+    add_vertex(box, motion, vertex, gap);
+    return box;
+}
+
 /// Of the surface's vertices: plain[v] as they are, grown[v] by `gap` (m).
 template <class Exec, class Box>
 void vertex_boxes(Exec& exec,
@@ -36,10 +45,8 @@ void vertex_boxes(Exec& exec,
                   View<Box> grown) {
     exec.for_each("contact/vertex_boxes", vertices.size, [=] NOLI_HD(int i) {
         const int v = vertices[i];
-        make_empty(plain[v]);
-        make_empty(grown[v]);
-        add_vertex(plain[v], motion, v, 0.0);
-        add_vertex(grown[v], motion, v, gap);
+        plain[v] = box_around<Box>(motion, v, 0.0);
+        grown[v] = box_around<Box>(motion, v, gap);
     });
 }
 

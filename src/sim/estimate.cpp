@@ -30,8 +30,9 @@ constexpr double kBytesPerVertex = 32 * 24 + 72 + 48 + 64;
 /// Boxes, orders and search slots; eight candidates (pair, sort keys, code, bound).
 constexpr double kBytesPerPrimitive = 180 + 8 * 72;
 
-/// One pair per surface vertex: modes, gradients, slots and their sort.
-constexpr double kBytesPerSurfaceVertex = 3 * 96 + 96 + 16 + 4 * 52;
+/// One pair per surface vertex: modes, gradients, slots and their sort. Boxes of the
+/// vertices, standing and moving, plain and grown.
+constexpr double kBytesPerSurfaceVertex = 3 * 96 + 96 + 16 + 4 * 52 + 144;
 
 /// Dense inverses of the coarse levels (linear/rigid_coarse.hpp).
 double coarse_bytes(int num_vertices) {
