@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "exec/team.hpp"
 
+#include <tbb/task_group.h>
+
 #include <algorithm>
 #include <thread>
 
@@ -19,6 +21,39 @@ void pause() {
     __builtin_ia32_pause();
 #endif
 }
+
+/// Runs f on the scheduler's own threads: a thread of ours would fight for the core with
+/// the scheduler's, which looks for work for a while before it sleeps.
+class Helpers {
+  public:
+#if defined(__SANITIZE_THREAD__)
+    // The sanitizer does not see how a TBB that it did not compile synchronises.
+    template <class F>
+    void start(const F& f) {
+        threads_.emplace_back(f);
+    }
+    void wait() {
+        for (std::thread& thread : threads_)
+            thread.join();
+        threads_.clear();
+    }
+
+  private:
+    std::vector<std::thread> threads_;
+#else
+    template <class F>
+    void start(const F& f) {
+        tasks_.run(f);
+    }
+    /// Those that have not begun begin now, on this thread.
+    void wait() {
+        tasks_.wait();
+    }
+
+  private:
+    tbb::task_group tasks_;
+#endif
+};
 
 /// The last loop in which a thread's share was taken, by itself or by the leader.
 struct alignas(64) Claim {
@@ -42,10 +77,10 @@ struct Team::State {
     int n = 0;
     int shares = 1;
 
-    alignas(64) std::atomic<int> done{0};   ///< shares of it
-    alignas(64) std::atomic<int> awake{0};  ///< 1 in a scope, 0 at rest, -1 at the end
-    std::vector<Claim> claims;              ///< per thread; 0 is the leader
-    std::vector<std::thread> helpers;
+    alignas(64) std::atomic<int> done{0};  ///< shares of it
+    alignas(64) std::atomic<bool> awake{false};
+    std::vector<Claim> claims;  ///< per thread; 0 is the leader
+    Helpers helpers;
 
     explicit State(int threads) : claims(static_cast<std::size_t>(threads)) {}
 
@@ -61,41 +96,29 @@ struct Team::State {
         return static_cast<int>(static_cast<std::int64_t>(n) * share / shares);
     }
 
+    /// Until the scope is over.
     void help(int share) {
         std::uint64_t seen = 0;
         int idle = 0;
-        while (true) {
+        while (awake.load(std::memory_order_acquire)) {
             const std::uint64_t current = loop.load(std::memory_order_acquire);
             if (current != seen) {
                 work(share, current);
                 seen = current;
                 idle = 0;
-                continue;
-            }
-            if (++idle < kSpinsOfHelper) {
+            } else if (++idle < kSpinsOfHelper) {
                 pause();
-                continue;
+            } else {
+                std::this_thread::yield();
+                idle = kSpinsOfHelper / 2;
             }
-            const int state = awake.load(std::memory_order_acquire);
-            if (state < 0) return;
-            if (state == 0) awake.wait(0, std::memory_order_acquire);
-            std::this_thread::yield();
-            idle = kSpinsOfHelper / 2;
         }
     }
 };
 
-Team::Team(int threads) : state_(std::make_unique<State>(std::max(1, threads))) {
-    for (int k = 1; k < threads; ++k)
-        state_->helpers.emplace_back([s = state_.get(), k] { s->help(k); });
-}
+Team::Team(int threads) : state_(std::make_unique<State>(std::max(1, threads))) {}
 
-Team::~Team() {
-    state_->awake.store(-1, std::memory_order_release);
-    state_->awake.notify_all();
-    for (std::thread& helper : state_->helpers)
-        helper.join();
-}
+Team::~Team() = default;
 
 int Team::threads() const {
     return static_cast<int>(state_->claims.size());
@@ -130,12 +153,15 @@ void Team::run_shares(int n, int grain, const void* f, Call call) {
 }
 
 void Team::wake() {
-    state_->awake.store(1, std::memory_order_release);
-    state_->awake.notify_all();
+    State& s = *state_;
+    s.awake.store(true, std::memory_order_release);
+    for (int k = 1; k < threads(); ++k)
+        s.helpers.start([&s, k] { s.help(k); });
 }
 
 void Team::rest() {
-    state_->awake.store(0, std::memory_order_release);
+    state_->awake.store(false, std::memory_order_release);
+    state_->helpers.wait();
 }
 
 TeamScope::TeamScope(Team& team) : team_(current_team == nullptr ? &team : nullptr) {
@@ -146,8 +172,8 @@ TeamScope::TeamScope(Team& team) : team_(current_team == nullptr ? &team : nullp
 
 TeamScope::~TeamScope() {
     if (team_ == nullptr) return;
-    team_->rest();
     current_team = nullptr;
+    team_->rest();
 }
 
 }  // namespace noli

@@ -3,8 +3,8 @@
 /// Threads that stand by between the many short loops of a linear solve. CPU only.
 ///
 /// A task scheduler takes several microseconds to start a loop, a triangular sweep of a
-/// small system is shorter than that. Inside a TeamScope the helpers of the team watch a
-/// counter instead of sleeping: a loop starts and ends within a fraction of a
+/// small system is shorter than that. Inside a TeamScope the helpers of the team, tasks
+/// of that scheduler, watch a counter: a loop starts and ends within a fraction of a
 /// microsecond. Each thread takes the same share of every loop of the same length, so
 /// that what it wrote is still in its cache when it reads it; the share of a helper that
 /// the system has taken away goes to the leader.
