@@ -88,8 +88,10 @@ def page(rows, identity):
         "## Kernels", "",
         f"{identity['cpu']}, {identity['cores']} cores, commit {identity['commit']}, {identity['date']}. Medians.", "",
         "Memory:", "",
-        machine.table(of("memory"), {"": "benchmark", "size": "size", "threads": "threads",
+        machine.table([row for row in of("memory") if "bytes_per_second" in row], {"": "benchmark", "size": "size", "threads": "threads",
                                      "GB/s": scaled("bytes_per_second", 1e-9)}),
+        *(f"A word goes to another core and back in {row['time_ns']:.0f} ns."
+          for row in of("memory") if row["benchmark"] == "there_and_back"), "",
         "Energy, gradient and projected Hessian of a tetrahedron, one thread, in cache; `resisting` is what the "
         "engine uses:", "",
         machine.table(of("elastic"), {"": "benchmark", "pack width": "simd_width", "ns/tet": scaled("per_tet", 1e9)}),

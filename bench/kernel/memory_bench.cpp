@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Memory bandwidth: pure read and STREAM triad (24 bytes per element, as STREAM counts),
 /// one thread and all, with arrays far beyond the caches and with arrays of the size of
-/// a matrix in use. Sizes are of all arrays together.
+/// a matrix in use. Sizes are of all arrays together. And how far the cores are apart:
+/// the time that a word takes to another one and back.
 
 #include "exec/arena.hpp"
 #include "kernel/bandwidth.hpp"
@@ -10,6 +11,8 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -65,6 +68,41 @@ void triad(benchmark::State& state) {
     });
 }
 
+/// A word goes to another thread and comes back.
+void there_and_back(benchmark::State& state) {
+    struct alignas(128) Word {
+        std::atomic<int> value{0};
+        void wait_for(int wanted) const {
+            while (value.load(std::memory_order_acquire) != wanted) {
+            }
+        }
+    };
+    if (all_threads() < 2) return state.SkipWithError("one core only");
+    constexpr int kEnd = -1;
+    Word there, back;
+    std::thread other([&] {
+        for (int last = 0;;) {
+            const int seen = there.value.load(std::memory_order_acquire);
+            if (seen == kEnd) return;
+            if (seen == last) continue;
+            last = seen;
+            back.value.store(seen, std::memory_order_release);
+        }
+    });
+    int round = 0;
+    for (auto _ : state) {
+        there.value.store(++round, std::memory_order_release);
+        back.wait_for(round);
+    }
+    there.value.store(kEnd, std::memory_order_release);
+    other.join();
+}
+
+void two_threads(benchmark::internal::Benchmark* b) {
+    b->ArgName("threads")->UseRealTime()->Unit(benchmark::kNanosecond);
+    if (all_threads() > 1) b->Arg(2);
+}
+
 void sizes(benchmark::internal::Benchmark* b) {
     b->ArgNames({"mb", "threads"})->UseRealTime()->Unit(benchmark::kMicrosecond);
     for (const int mb : {beyond_caches_mb(), kMatrixMb}) {
@@ -75,6 +113,7 @@ void sizes(benchmark::internal::Benchmark* b) {
 
 BENCHMARK(read)->Apply(sizes);
 BENCHMARK(triad)->Apply(sizes);
+BENCHMARK(there_and_back)->Apply(two_threads);
 
 }  // namespace
 }  // namespace noli::bench
