@@ -38,12 +38,18 @@ struct SerialOrder {
         for (int i = 0; i < n; ++i)
             f(i);
     }
-    template <class F>
-    static void run_back(int n, const F& f) {
-        for (int i = n - 1; i >= 0; --i)
-            f(i);
-    }
 };
+
+/// Stages one after the other, each as a loop of its own; `back`: the last one first.
+template <class Order, class F>
+void run_stages_of(View<const int> bounds, bool back, const F& f) {
+    const int stages = bounds.size - 1;
+    for (int k = 0; k < stages; ++k) {
+        const int first = bounds[back ? stages - 1 - k : k];
+        const int n = bounds[back ? stages - k : k + 1] - first;
+        Order::run(n, 1, [&](int i) { f(first + (back ? n - 1 - i : i)); });
+    }
+}
 
 /// Runs f(i) for i in [0, n) with TBB, or with the team that stands by; small loops stay
 /// on this thread.
@@ -75,15 +81,16 @@ struct TbbOrder {
 #endif
     }
 
-    /// The same; with a team, each thread its last index first.
+    /// f(i) for i in [bounds[s], bounds[s + 1]), stage after stage; `back`: the last
+    /// stage first, and in each thread the last index of its share.
     template <class F>
-    static void run_back(int n, const F& f) {
-        if (Team* team = Team::current(); team != nullptr)
-            team->run(n, 1, [&f](int begin, int end) {
-                SerialOrder::run_back(end - begin, [&](int i) { f(begin + i); });
-            });
-        else
-            run(n, 1, f);
+    static void run_stages(View<const int> bounds, bool back, const F& f) {
+        Team* team = Team::current();
+        if (team == nullptr) return run_stages_of<TbbOrder>(bounds, back, f);
+        team->run_stages(bounds.data, bounds.size - 1, back, [&f, back](int b, int e) {
+            for (int k = 0; k < e - b; ++k)
+                f(back ? e - 1 - k : b + k);
+        });
     }
 
 #if defined(__SANITIZE_THREAD__)
@@ -112,10 +119,6 @@ struct ShuffledOrder {
             ++stride;
         for (std::int64_t i = 0; i < n; ++i)
             f(static_cast<int>((n - 1) - (i * stride) % n));
-    }
-    template <class F>
-    static void run_back(int n, const F& f) {
-        run(n, 1, f);
     }
 };
 
@@ -149,11 +152,15 @@ class HostExec : public LaterNumbers<HostExec<Order>, HostBuffer<double>> {
         Order::run(n, grain, f);
     }
 
-    /// The same; threads that stand by take their last item first. Every item is worth a
-    /// task.
+    /// f(i) for every i in [bounds[s], bounds[s + 1]), s = 0, 1, ...: a stage begins when
+    /// the one before is done. `back`: the last stage first, threads that stand by take
+    /// their last item first. Every item is worth a task.
     template <class F>
-    void for_each_back(const char* /*name*/, int n, F f) {
-        Order::run_back(n, f);
+    void for_stages(const char* /*name*/, View<const int> bounds, bool back, F f) {
+        if constexpr (requires { Order::kMostThreads; })
+            Order::run_stages(bounds, back, f);
+        else
+            detail::run_stages_of<Order>(bounds, back, f);
     }
 
     /// f(lane) for every element, several at a time: see exec/lanes.hpp.

@@ -30,10 +30,16 @@ class Team {
     /// another loop.
     template <class F>
     void run(int n, int grain, const F& f) {
-        const auto call = [](const void* g, int begin, int end) {
-            (*static_cast<const F*>(g))(begin, end);
-        };
-        run_shares(n, grain, &f, call);
+        run_whole(n, grain, &f, &call<F>);
+    }
+
+    /// The same for [bounds[s], bounds[s + 1]), s = 0, 1, ... `stages` - 1, one after the
+    /// other: a stage begins when all of the one before is done. `back`: the last stage
+    /// first. Threads wait for each other only, not for the leader to open a loop and to
+    /// see its end: half the time between two stages.
+    template <class F>
+    void run_stages(const int* bounds, int stages, bool back, const F& f) {
+        run_batch({&f, &call<F>, bounds, 1, back}, stages);
     }
 
     [[nodiscard]] int threads() const;
@@ -47,8 +53,23 @@ class Team {
   private:
     friend class TeamScope;
     using Call = void (*)(const void*, int, int);
+    template <class F>
+    static void call(const void* f, int begin, int end) {
+        (*static_cast<const F*>(f))(begin, end);
+    }
 
-    void run_shares(int n, int grain, const void* f, Call call);
+    /// What the stages of a loop do.
+    struct Batch {
+        const void* f;
+        Call call;
+        const int* bounds;
+        int grain;
+        bool back;
+    };
+
+    void run_whole(int n, int grain, const void* f, Call each);
+    void run_batch(const Batch& batch, int stages);
+    void run_alone(const Batch& batch, int stages);
     void wake();
     void rest();
 

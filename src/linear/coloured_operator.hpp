@@ -121,15 +121,11 @@ class ColouredOperator {
         return ok;
     }
 
-    /// The same, each thread its last group first: a sweep that goes through the rows of
-    /// a group backwards meets memory without jumps.
-    template <class Exec, class F>
-    void for_groups_back(Exec& exec, int colour, const F& f) const {
-        const auto c = static_cast<std::size_t>(colour);
-        const int first = rows_.colour_begin[c];
-        exec.for_each_back("linear/coloured_groups_back",
-                           rows_.colour_begin[c + 1] - first,
-                           [&f, first](int g) { f(first + g); });
+    /// First group of each colour, and the end. A sweep that goes through the rows of a
+    /// group backwards goes through the groups of a thread backwards too: so it meets
+    /// memory without jumps.
+    [[nodiscard]] View<const int> groups_of_colours() const {
+        return detail::const_view(rows_.colour_begin);
     }
 
     /// f(row) for all rows, in parallel.

@@ -142,13 +142,13 @@ class SweepVectors {
 
     template <class Exec, class F>
     void for_colours(Exec& exec, const F& f) const {
-        for (int c = 0; c < op_.rows().num_colours(); ++c)
-            op_.rows().for_groups(exec, c, [&f](int g) { return f(g), true; });
+        exec.for_stages(
+            "linear/coloured_groups", op_.rows().groups_of_colours(), false, f);
     }
     template <class Exec, class F>
     void for_colours_back(Exec& exec, const F& f) const {
-        for (int c = op_.rows().num_colours() - 1; c >= 0; --c)
-            op_.rows().for_groups_back(exec, c, f);
+        exec.for_stages(
+            "linear/coloured_groups_back", op_.rows().groups_of_colours(), true, f);
     }
     template <class Exec, class F>
     void for_parts(Exec& exec, const F& f) const {

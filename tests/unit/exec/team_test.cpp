@@ -246,14 +246,15 @@ TEST(StandBy, IsNothingForExecutorsOfOneThread) {
 std::map<std::thread::id, std::vector<int>> visits_back(CpuExec& exec, int n) {
     std::map<std::thread::id, std::vector<int>> visits;
     std::mutex mutex;
-    exec.for_each_back("test/back", n, [&](int i) {
+    const int bounds[] = {0, n};
+    exec.for_stages("test/back", {bounds, 2}, true, [&](int i) {
         const std::lock_guard lock(mutex);
         visits[std::this_thread::get_id()].push_back(i);
     });
     return visits;
 }
 
-TEST_P(TeamOf, RunsALoopBackwardsInEachRange) {
+TEST_P(TeamOf, RunsAStageBackwardsInEachRange) {
     Team team(GetParam());
     const TeamScope scope(team);
     CpuExec exec;
@@ -271,6 +272,82 @@ TEST_P(TeamOf, RunsALoopBackwardsInEachRange) {
         std::iota(all.begin(), all.end(), 0);
         EXPECT_EQ(seen, all);
     }
+}
+
+/// When an item was visited, counted over all items. Plain numbers: the thread sanitizer
+/// sees a stage that begins too early.
+template <class Exec>
+void expect_stages_in_order(Exec& exec, const std::vector<int>& bounds, bool back) {
+    const auto n = static_cast<std::size_t>(bounds.back());
+    const int stages = static_cast<int>(bounds.size()) - 1;
+    // stage_of[i], and what each item saw: the sum over the stage before its own.
+    std::vector<int> stage_of(n);
+    for (int s = 0; s < stages; ++s)
+        for (int i = bounds[std::size_t(s)]; i < bounds[std::size_t(s) + 1]; ++i)
+            stage_of[std::size_t(i)] = s;
+    std::vector<int> value(n, 0), visits(n, 0);
+    const auto before = [&](int s) { return back ? s + 1 : s - 1; };
+    exec.for_stages("test/stages", {bounds.data(), stages + 1}, back, [&](int i) {
+        const int s = before(stage_of[std::size_t(i)]);
+        int sum = 1;
+        if (s >= 0 && s < stages)
+            for (int k = bounds[std::size_t(s)]; k < bounds[std::size_t(s) + 1]; ++k)
+                sum = std::max(sum, value[std::size_t(k)] + 1);
+        value[std::size_t(i)] = sum;
+        ++visits[std::size_t(i)];
+    });
+    EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), std::ptrdiff_t(n));
+    int depth = 0;  // of the stage before; an empty one breaks the chain
+    for (int k = 0; k < stages; ++k) {
+        const int s = back ? stages - 1 - k : k;
+        const int size = bounds[std::size_t(s) + 1] - bounds[std::size_t(s)];
+        depth = size == 0 ? 0 : depth + 1;
+        for (int i = bounds[std::size_t(s)]; i < bounds[std::size_t(s) + 1]; ++i)
+            ASSERT_EQ(value[std::size_t(i)], depth) << "stage " << s << " item " << i;
+    }
+}
+
+const std::vector<std::vector<int>> kStages = {{0},
+                                               {0, 0},
+                                               {0, 1},
+                                               {0, 7},
+                                               {0, 3, 3, 4, 10, 10, 11, 40},
+                                               {0, 50, 100, 101, 103, 130, 131, 190}};
+
+TEST_P(TeamOf, BeginsAStageWhenAllOfTheOneBeforeIsDone) {
+    Team team(GetParam());
+    CpuExec exec;
+    for (int round = 0; round < 200; ++round) {
+        const TeamScope scope(team);
+        for (const std::vector<int>& bounds : kStages)
+            for (const bool back : {false, true}) {
+                expect_stages_in_order(exec, bounds, back);
+                expect_one_visit_each(team, 20 + round, 1);
+            }
+    }
+}
+
+TEST_P(TeamOf, RunsStagesOnItsLeaderWhenTheyAreNotShared) {
+    Team team(GetParam());
+    const TeamScope scope(team);
+    team.share(false);
+    CpuExec exec;
+    for (const std::vector<int>& bounds : kStages)
+        for (const bool back : {false, true})
+            expect_stages_in_order(exec, bounds, back);
+    team.share(true);
+}
+
+TEST(Stages, AreInOrderOnEveryExecutor) {
+    CpuExec cpu;
+    SerialExec serial;
+    ShuffledExec shuffled;
+    for (const std::vector<int>& bounds : kStages)
+        for (const bool back : {false, true}) {
+            expect_stages_in_order(cpu, bounds, back);
+            expect_stages_in_order(serial, bounds, back);
+            expect_stages_in_order(shuffled, bounds, back);
+        }
 }
 
 }  // namespace

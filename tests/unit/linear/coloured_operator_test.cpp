@@ -144,21 +144,32 @@ TEST(ColouredOperator, VisitsRowsNearbyInTheOrderOfTheirVertices) {
     }
 }
 
-TEST(ColouredOperator, GroupsOfAColourAreVisitedOnceInBothDirections) {
+TEST(ColouredOperator, GroupsOfAColourAreVisitedOnce) {
     Coloured c(900, 100, 16);
     for (int colour = 0; colour < c.op.num_colours(); ++colour) {
         const auto k = static_cast<std::size_t>(colour);
         const auto& begin = c.op.rows().colour_begin;
         std::vector<int> all(static_cast<std::size_t>(begin[k + 1] - begin[k]));
         std::iota(all.begin(), all.end(), begin[k]);
-        std::vector<int> forward;
-        std::vector<int> back;
+        std::vector<int> visited;
         c.op.for_groups(
-            c.exec, colour, [&](int g) { return forward.push_back(g), true; });
-        c.op.for_groups_back(c.exec, colour, [&](int g) { back.push_back(g); });
-        EXPECT_EQ(forward, all);
+            c.exec, colour, [&](int g) { return visited.push_back(g), true; });
+        EXPECT_EQ(visited, all);
+    }
+}
+
+TEST(ColouredOperator, ColoursAreStagesInBothDirections) {
+    Coloured c(900, 100, 16);
+    ASSERT_EQ(c.op.groups_of_colours().size, c.op.num_colours() + 1);
+    std::vector<int> all(static_cast<std::size_t>(c.op.num_groups()));
+    std::iota(all.begin(), all.end(), 0);
+    for (const bool back : {false, true}) {
+        std::vector<int> visited;
+        c.exec.for_stages("test/colours", c.op.groups_of_colours(), back, [&](int g) {
+            visited.push_back(g);
+        });
+        EXPECT_EQ(visited, all);
         std::reverse(all.begin(), all.end());
-        EXPECT_EQ(back, all);
     }
 }
 
