@@ -108,12 +108,12 @@ struct PooledVertexTriangle {
             && would_be_found(pair[0], corners);
     }
     /// For a pair that the pool has not seen.
-    NOLI_HD bool accepts(int vertex, const Int3& corners) const {
+    [[nodiscard]] NOLI_HD bool accepts(int vertex, const Int3& corners) const {
         return query.mesh.may_collide(vertex, corners) && would_be_found(vertex, corners);
     }
 
   private:
-    NOLI_HD bool would_be_found(int vertex, const Int3& corners) const {
+    [[nodiscard]] NOLI_HD bool would_be_found(int vertex, const Int3& corners) const {
         const Motion& motion = query.motion;
         return overlap(box_of<Box>(motion, vertex, query.gap),
                        box_of<Box>(motion, corners, 0.0))
@@ -132,12 +132,12 @@ struct PooledEdgeEdge {
         return query.worth_a_test(a, b, distance) && would_be_found(a, b);
     }
     /// For a pair that the pool has not seen.
-    NOLI_HD bool accepts(const Int2& a, const Int2& b) const {
+    [[nodiscard]] NOLI_HD bool accepts(const Int2& a, const Int2& b) const {
         return query.mesh.may_collide(a, b) && would_be_found(a, b);
     }
 
   private:
-    NOLI_HD bool would_be_found(const Int2& a, const Int2& b) const {
+    [[nodiscard]] NOLI_HD bool would_be_found(const Int2& a, const Int2& b) const {
         const Motion& motion = query.motion;
         return overlap(box_of<Box>(motion, a, 0.5 * query.gap),
                        box_of<Box>(motion, b, 0.5 * query.gap))
