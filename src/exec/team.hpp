@@ -79,6 +79,8 @@ class Team {
 };
 
 /// While it lives, the team's helpers are awake and CPU loops of this thread run on them.
+/// Until it ends this thread must not wait in the scheduler by itself: it could be given
+/// a helper's task, which ends with the scope.
 class TeamScope {
   public:
     explicit TeamScope(Team& team);
