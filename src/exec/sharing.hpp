@@ -4,8 +4,8 @@
 ///
 /// What a shared loop costs depends on how far apart the cores are (a word went there and
 /// back in half a microsecond where it was measured) and on what else the machine does.
-/// So a piece of work that is repeated is timed both ways, now and then. Results never
-/// depend on the choice.
+/// So a piece of work that is repeated is timed both ways, now and then, unless it takes
+/// so long that its loops are no short ones. Results never depend on the choice.
 
 #include <algorithm>
 
@@ -26,6 +26,7 @@ class Sharing {
         count_ = 0;
         const double least = least_;
         least_ = kNone;
+        if (!trying_ && shared_is_best_ && least >= kLong) return;
         if (!trying_) {
             least_of_best_ = least;
             trying_ = true;
@@ -45,6 +46,7 @@ class Sharing {
     static constexpr int kShortest = 32;
     static constexpr int kLongest = 2048;
     static constexpr double kNone = 1e300;
+    static constexpr double kLong = 1e-3;  ///< seconds, of a piece that is always shared
     bool shared_is_best_ = true;
     bool trying_ = false;
     int count_ = 0;

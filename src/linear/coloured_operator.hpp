@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// The whole operator in an order that a triangular sweep can run through in parallel.
-/// CPU only.
+/// The whole operator in an order that a triangular sweep can run through in parallel
+/// (row_colours.hpp): a sweep visits the colours one after the other, and the groups of a
+/// colour in parallel. CPU only.
 ///
-/// Unknowns are cut into blocks of consecutive ones; blocks are coloured so that coupled
-/// blocks differ; rows are sorted by colour. A sweep visits the colours one after the
-/// other. Within a colour, up to four blocks form a group, the unit of parallel work,
-/// and their rows are interleaved (first row of each block, then the second rows ...), so
-/// that neighbouring rows do not wait for each other's result:
-///
-///     colour 0                                     colour 1
-///     group 0            group 1                   group 2
-///     a0 b0 c0 d0 a1 ..  e0 f0 g0 h0 e1 ..         ...
-///
-/// Nothing depends on the number of threads.
-///
-/// Rows that follow each other lie far apart in the mesh, because a colour takes blocks
-/// from all over it. Loops of the set-up, which read and write what belongs to the
-/// neighbours of a row, visit the rows in the order that the blocks were cut in.
-///
-/// Source: block multicolour ordering, [Iwashita2012]; the interleaving is ours.
+/// Loops of the set-up, which read and write what belongs to the neighbours of a row,
+/// visit the rows in the order that they were cut in.
 
 #include "linear/assemble.hpp"
+#include "linear/row_colours.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -30,43 +17,11 @@
 
 namespace noli {
 
-/// Rows in colour order and the groups of rows that run in parallel.
-struct ColouredRows {
-    Numbering numbering;
-    std::vector<int> group_begin;   ///< num_groups + 1: first row of each group
-    std::vector<int> colour_begin;  ///< num_colours + 1: first group of each colour
-    std::vector<int> nearby;  ///< all rows, in the order that the blocks were cut in
-};
-
-/// The free vertices, in the given order of all vertices (empty: their own), cut into
-/// blocks of `rows_per_block`, and the blocks that the block matrix couples.
-struct RowBlocksOfMatrix {
-    Numbering free;
-    int rows_per_block;
-    std::vector<int> begin;      ///< num_blocks + 1
-    std::vector<int> neighbour;  ///< blocks before it that a block is coupled to
-
-    [[nodiscard]] int num_blocks() const { return static_cast<int>(begin.size()) - 1; }
-    /// Of a vertex, or -1.
-    [[nodiscard]] int block_of(int vertex) const {
-        const int rank = free.rank[static_cast<std::size_t>(vertex)];
-        return rank < 0 ? -1 : rank / rows_per_block;
-    }
-};
-
-RowBlocksOfMatrix cut_rows(const OperatorView& op,
-                           View<const std::uint8_t> fixed,
-                           std::span<const int> order,
-                           int rows_per_block);
-
-/// Colours the blocks greedily, couplings by terms included.
-ColouredRows colour_rows(const OperatorView& op, const RowBlocksOfMatrix& blocks);
-
 /// Pattern of block matrix + low-rank terms in colour order, by rows of the lower
 /// triangle and by rows of the upper one. Kept as long as the pattern stands.
 class ColouredOperator {
   public:
-    explicit ColouredOperator(int rows_per_block) : rows_per_block_(rows_per_block) {}
+    explicit ColouredOperator(const RowCut& cut) : cut_(cut) {}
 
     /// The order of the vertices that blocks are cut from. Neighbours should be near:
     /// then few blocks are coupled, and few colours do.
@@ -82,7 +37,7 @@ class ColouredOperator {
                         View<const std::uint8_t> fixed) {
         static_assert(!Exec::kIsDevice, "sweeps run on the CPU");
         const bool new_matrix = matrix_changed(op, fixed);
-        if (new_matrix) blocks_ = cut_rows(op, fixed, order_, rows_per_block_);
+        if (new_matrix) blocks_ = cut_rows(op, fixed, order_, cut_);
         if (!terms_changed(op) && !new_matrix) return false;
         touched_ = detail::touched_of_vertex(op);
         rows_ = colour_rows(op, blocks_);
@@ -220,7 +175,7 @@ class ColouredOperator {
     void find_places(int part);
     void fill_upper(int part);
 
-    int rows_per_block_;
+    RowCut cut_;
     std::vector<int> order_;
     RowBlocksOfMatrix blocks_;
     ColouredRows rows_;

@@ -35,13 +35,15 @@ struct Triangles {
 
 class ScaledOperator {
   public:
-    static constexpr int kRowsPerBlock = 16;  ///< of the row order, see ColouredOperator
+    static constexpr RowCut kRowCut{.rows_per_block = 16};
 
     enum class Built {
         NotPositive,  ///< a diagonal block is not positive
         NewValues,
         NewPattern,
     };
+
+    explicit ScaledOperator(const RowCut& cut = kRowCut) : rows_(cut) {}
 
     /// See ColouredOperator::set_order.
     void set_order(std::span<const int> order) { rows_.set_order(order); }
@@ -112,7 +114,7 @@ class ScaledOperator {
     template <class Number>
     void scale_row_blocks(Triangles<Number>& to, int row, const Mat3d* blocks);
 
-    ColouredOperator rows_{kRowsPerBlock};
+    ColouredOperator rows_;
     HostBuffer<Mat3d> diagonal_;
     std::vector<InverseFactor> scale_;
     Triangles<double> double_blocks_;

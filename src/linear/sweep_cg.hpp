@@ -55,7 +55,7 @@ namespace noli {
 
 class SweepCg {
   public:
-    SweepCg() = default;
+    explicit SweepCg(const RowCut& cut = ScaledOperator::kRowCut) : op_(cut) {}
     /// Its parts point to each other.
     SweepCg(const SweepCg&) = delete;
     SweepCg& operator=(const SweepCg&) = delete;

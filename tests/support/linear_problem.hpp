@@ -39,9 +39,9 @@ struct LinearProblem {
                             view_of(x));
     }
 
-    [[nodiscard]] ColouredOperator rows() {
+    [[nodiscard]] ColouredOperator rows(const RowCut& cut = ScaledOperator::kRowCut) {
         OperatorCopy copy;
-        ColouredOperator op(ScaledOperator::kRowsPerBlock);
+        ColouredOperator op(cut);
         op.update_pattern(
             exec, view_operator(exec, loaded.matrix, loaded.terms, copy), view_of(fixed));
         return op;

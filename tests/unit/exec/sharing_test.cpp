@@ -43,6 +43,14 @@ TEST(Sharing, NoticesThatThingsHaveChanged) {
     EXPECT_GT(shared_part(sharing, 10000, 1e-5, 2e-5), 0.98);
 }
 
+TEST(Sharing, DoesNotTryWhatTakesLong) {
+    Sharing sharing;
+    EXPECT_EQ(shared_part(sharing, 1000, 2e-3, 3e-3), 1.0);
+    shared_part(sharing, 1000, 3e-5, 2e-5);
+    EXPECT_LT(shared_part(sharing, 1000, 3e-5, 2e-5), 0.02);
+    EXPECT_GT(shared_part(sharing, 10000, 2e-3, 4e-3), 0.5);
+}
+
 TEST(Sharing, LooksPastOnePieceThatWasHeldUp) {
     Sharing sharing;
     int alone = 0;

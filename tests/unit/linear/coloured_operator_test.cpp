@@ -12,6 +12,9 @@ namespace {
 
 using namespace test;
 
+constexpr RowCut kBlocks{.rows_per_block = 16};
+constexpr RowCut kRegions{.rows_per_block = 16, .blocks_per_region = 8, .region_rows = 0};
+
 struct Coloured {
     RandomSystem system;
     std::vector<std::uint8_t> fixed;
@@ -20,11 +23,11 @@ struct Coloured {
     OperatorCopy copy;
     ColouredOperator op;
 
-    Coloured(int num_vertices, int num_terms, int rows_per_block)
+    Coloured(int num_vertices, int num_terms, const RowCut& cut)
         : system(random_system(num_vertices, 3 * num_vertices, num_terms, num_vertices)),
           fixed(static_cast<std::size_t>(num_vertices), 0),
           loaded(load(exec, system)),
-          op(rows_per_block) {
+          op(cut) {
         for (std::size_t i = 3; i < fixed.size(); i += 11)
             fixed[i] = 1;
         op.update_pattern(exec, view(), view_of(fixed));
@@ -40,7 +43,7 @@ int interval_of(const std::vector<int>& begin, int i) {
 }
 
 TEST(ColouredOperator, NumbersEveryFreeVertexOnce) {
-    Coloured c(205, 40, 16);
+    Coloured c(205, 40, kBlocks);
     const Numbering& numbering = c.op.numbering();
     std::size_t num_free = 0;
     for (std::size_t v = 0; v < c.fixed.size(); ++v) {
@@ -58,8 +61,9 @@ TEST(ColouredOperator, NumbersEveryFreeVertexOnce) {
 }
 
 TEST(ColouredOperator, CoupledRowsOfDifferentGroupsHaveDifferentColours) {
-    for (const int rows_per_block : {1, 16, 64}) {
-        Coloured c(4999, 30, rows_per_block);
+    for (const RowCut& cut :
+         {RowCut{1}, kBlocks, RowCut{64}, kRegions, RowCut{4, 3, 0}, RowCut{1, 64, 0}}) {
+        Coloured c(4999, 30, cut);
         const MergedBlocks& lower = c.op.lower();
         int couplings_between_groups = 0;
         for (int i = 0; i < c.op.num_rows(); ++i)
@@ -80,7 +84,7 @@ TEST(ColouredOperator, CoupledRowsOfDifferentGroupsHaveDifferentColours) {
 }
 
 TEST(ColouredOperator, UpperRowsAreTheTransposeOfLowerRows) {
-    Coloured c(205, 40, 16);
+    Coloured c(205, 40, kBlocks);
     const MergedBlocks& lower = c.op.lower();
     ASSERT_EQ(c.op.upper_col.size() + static_cast<std::size_t>(c.op.num_rows()),
               lower.col.size());
@@ -97,7 +101,7 @@ TEST(ColouredOperator, UpperRowsAreTheTransposeOfLowerRows) {
 }
 
 TEST(ColouredOperator, UpperRowsFollowEachOtherInTheOrderOfABackwardSweep) {
-    Coloured c(205, 40, 16);
+    Coloured c(205, 40, kBlocks);
     int next = 0;
     for (int i = c.op.num_rows() - 1; i >= 0; --i) {
         EXPECT_EQ(c.op.first_upper(i), next);
@@ -106,10 +110,37 @@ TEST(ColouredOperator, UpperRowsFollowEachOtherInTheOrderOfABackwardSweep) {
     EXPECT_EQ(static_cast<std::size_t>(next), c.op.upper_col.size());
 }
 
+TEST(ColouredOperator, CutsLargeSystemsIntoRegions) {
+    Coloured c(4999, 30, kRegions);
+    const Numbering& numbering = c.op.numbering();
+    const auto num_rows = static_cast<std::size_t>(c.op.num_rows());
+    std::vector<int> free;
+    for (int v = 0; v < 4999; ++v)
+        if (numbering.rank[static_cast<std::size_t>(v)] >= 0) free.push_back(v);
+    ASSERT_EQ(free.size(), num_rows);
+    EXPECT_EQ(c.op.num_groups(), static_cast<int>((num_rows + 127) / 128));
+    for (std::size_t k = 0; k < num_rows; k += 128) {
+        const int group = interval_of(c.op.rows().group_begin,
+                                      numbering.rank[static_cast<std::size_t>(free[k])]);
+        for (std::size_t i = k; i < std::min(k + 128, num_rows); ++i)
+            EXPECT_EQ(
+                interval_of(c.op.rows().group_begin,
+                            numbering.rank[static_cast<std::size_t>(free[i])]),
+                group);
+    }
+}
+
+TEST(ColouredOperator, CutsSmallSystemsIntoBlocks) {
+    Coloured blocks(900, 100, kBlocks);
+    Coloured regions(900, 100, RowCut{16, 8, 1000});
+    EXPECT_EQ(blocks.op.numbering().vertex, regions.op.numbering().vertex);
+    EXPECT_EQ(blocks.op.rows().group_begin, regions.op.rows().group_begin);
+}
+
 /// Two threads get the same number of groups of each colour that has more than one block.
 TEST(ColouredOperator, CutsColoursIntoAnEvenNumberOfGroups) {
     for (const int size : {40, 205, 900}) {
-        Coloured c(size, size / 5, 16);
+        Coloured c(size, size / 5, kBlocks);
         for (int colour = 0; colour < c.op.num_colours(); ++colour) {
             const auto k = static_cast<std::size_t>(colour);
             const auto& begin = c.op.rows().colour_begin;
@@ -121,7 +152,7 @@ TEST(ColouredOperator, CutsColoursIntoAnEvenNumberOfGroups) {
 
 TEST(ColouredOperator, VisitsRowsNearbyInTheOrderOfTheirVertices) {
     for (const bool reversed : {false, true}) {
-        Coloured c(205, 40, 16);
+        Coloured c(205, 40, kBlocks);
         if (reversed) {
             std::vector<int> order(205);
             std::iota(order.rbegin(), order.rend(), 0);
@@ -145,7 +176,7 @@ TEST(ColouredOperator, VisitsRowsNearbyInTheOrderOfTheirVertices) {
 }
 
 TEST(ColouredOperator, GroupsOfAColourAreVisitedOnce) {
-    Coloured c(900, 100, 16);
+    Coloured c(900, 100, kBlocks);
     for (int colour = 0; colour < c.op.num_colours(); ++colour) {
         const auto k = static_cast<std::size_t>(colour);
         const auto& begin = c.op.rows().colour_begin;
@@ -159,7 +190,7 @@ TEST(ColouredOperator, GroupsOfAColourAreVisitedOnce) {
 }
 
 TEST(ColouredOperator, ColoursAreStagesInBothDirections) {
-    Coloured c(900, 100, 16);
+    Coloured c(900, 100, kBlocks);
     ASSERT_EQ(c.op.groups_of_colours().size, c.op.num_colours() + 1);
     std::vector<int> all(static_cast<std::size_t>(c.op.num_groups()));
     std::iota(all.begin(), all.end(), 0);
@@ -174,7 +205,7 @@ TEST(ColouredOperator, ColoursAreStagesInBothDirections) {
 }
 
 TEST(ColouredOperator, KeepsThePatternUntilItChanges) {
-    Coloured c(205, 40, 16);
+    Coloured c(205, 40, kBlocks);
     EXPECT_FALSE(c.op.update_pattern(c.exec, c.view(), view_of(c.fixed)));
     c.fixed[50] ^= 1;
     EXPECT_TRUE(c.op.update_pattern(c.exec, c.view(), view_of(c.fixed)));

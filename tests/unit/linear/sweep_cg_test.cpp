@@ -10,9 +10,11 @@ namespace {
 
 using namespace test;
 
-TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
+class RowOrder : public testing::TestWithParam<RowCut> {};
+
+TEST_P(RowOrder, MatchesTextbookPcgIterateByIterate) {
     LinearProblem<CpuExec> problem(random_system(301, 900, 120, 5), 3, {2, 299});
-    const ColouredOperator op = problem.rows();
+    const ColouredOperator op = problem.rows(GetParam());
     const Numbering& numbering = op.numbering();
     ASSERT_EQ(op.num_rows(), 299);
     const Eigen::MatrixXd a = in_row_order(problem.s, numbering);
@@ -23,7 +25,7 @@ TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
     Eigen::VectorXd p = z;
     double delta = r.dot(z);
     const double delta_start = delta;
-    SweepCg solver;
+    SweepCg solver(GetParam());
     for (int iteration = 1; iteration <= 12; ++iteration) {
         const Eigen::VectorXd q = a * p;
         const double alpha = delta / p.dot(q);
@@ -45,6 +47,30 @@ TEST(SweepCg, MatchesTextbookPcgIterateByIterate) {
         for (Eigen::Index i = 0; i < x.size(); ++i)
             EXPECT_NEAR(got_rows[i], x[i], 1e-9 * x.norm());
     }
+}
+
+INSTANTIATE_TEST_SUITE_P(SweepCg,
+                         RowOrder,
+                         testing::Values(ScaledOperator::kRowCut, RowCut{16, 4, 0}),
+                         [](const testing::TestParamInfo<RowCut>& cut) {
+                             return cut.param.region_rows == 0 ? "Regions" : "Blocks";
+                         });
+
+/// A system so large that its rows are cut into regions, whose threads share its colours.
+TEST(SweepCg, SolvesALargeSystemWithTheBitsOfOneThread) {
+    const RandomSystem system = random_system(11000, 40000, 300, 8);
+    PcgOptions options;
+    options.tolerance = 1e-20;
+    std::vector<Vec3d> x[2];
+    LinearProblem<CpuExec> shared(system, 3, {2, 299});
+    LinearProblem<SerialExec> alone(system, 3, {2, 299});
+    ASSERT_GE(shared.rows().num_rows(), ScaledOperator::kRowCut.region_rows);
+    SweepCg solver[2];
+    EXPECT_EQ(shared.solve(solver[0], options, x[0]).outcome,
+              PcgResult::Outcome::Converged);
+    EXPECT_EQ(alone.solve(solver[1], options, x[1]).outcome,
+              PcgResult::Outcome::Converged);
+    EXPECT_TRUE(same_bits(x[0], x[1]));
 }
 
 /// Solves a random system with different inertias.
@@ -118,7 +144,7 @@ TEST(SweepCg, ForwardSweepHasTheBitsOfAScalarLoop) {
     const std::vector<std::uint8_t> fixed(203, 0);
     OperatorCopy copy;
     const OperatorView view = view_operator(exec, loaded.matrix, loaded.terms, copy);
-    ColouredOperator op(ScaledOperator::kRowsPerBlock);
+    ColouredOperator op(ScaledOperator::kRowCut);
     op.update_pattern(exec, view, view_of(fixed));
     op.update_values(exec, view);
 
