@@ -123,10 +123,9 @@ TEST(ColouredOperator, CutsLargeSystemsIntoRegions) {
         const int group = interval_of(c.op.rows().group_begin,
                                       numbering.rank[static_cast<std::size_t>(free[k])]);
         for (std::size_t i = k; i < std::min(k + 128, num_rows); ++i)
-            EXPECT_EQ(
-                interval_of(c.op.rows().group_begin,
-                            numbering.rank[static_cast<std::size_t>(free[i])]),
-                group);
+            EXPECT_EQ(interval_of(c.op.rows().group_begin,
+                                  numbering.rank[static_cast<std::size_t>(free[i])]),
+                      group);
     }
 }
 
