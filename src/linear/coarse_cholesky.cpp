@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/coarse_cholesky.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -11,9 +13,7 @@ namespace {
 
 constexpr int kSize = 6;
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 #if defined(__x86_64__) && defined(__linux__)
 #define NOLI_WITH_AVX2 __attribute__((target_clones("avx2", "default")))

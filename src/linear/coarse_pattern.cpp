@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/coarse_pattern.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <numeric>
 
@@ -8,9 +10,7 @@ namespace noli {
 
 namespace {
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 void sort_without_repeats(std::vector<int>& v) {
     std::sort(v.begin(), v.end());

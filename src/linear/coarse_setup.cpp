@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// CoarseSpace before a solve: rigid motions, their couplings, the coarse matrix.
 
+#include "core/index.hpp"
 #include "linear/coarse_space.hpp"
 #include "linear/wide.hpp"
 
@@ -14,12 +15,9 @@ namespace {
 constexpr int kModes = CoarseSpace::kModes;
 constexpr int kBlock = CoarseSpace::kBlock;
 
+using detail::at;
 using detail::load_wide;
-using Double4 = detail::Wide;
-
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::Wide;
 
 /// Cᵀ v, from the inverse of C.
 Vec3d apply_transposed_factor(const InverseFactor& f, const Vec3d& v) {
@@ -50,14 +48,14 @@ inline __attribute__((always_inline)) void sum_couplings(const RowBlocks<Number>
                                                          const float* modes,
                                                          const Take& take) {
     for (int k = 0; k < num_couplings; ++k) {
-        Double4 sum[kModes] = {};
+        Wide sum[kModes] = {};
         for (int p = 0; p < row.count; ++p) {
             if (aggregate_of[row.col[p]] != couplings[k]) continue;
             const float* z = modes + kBlock * static_cast<std::ptrdiff_t>(row.col[p]);
             const Number* block = row.block + 9 * static_cast<std::ptrdiff_t>(p);
-            const Double4 b0 = load_wide(block);
-            const Double4 b1 = load_wide(block + 3);
-            const Double4 b2 = load_wide(block + 6);
+            const Wide b0 = load_wide(block);
+            const Wide b1 = load_wide(block + 3);
+            const Wide b2 = load_wide(block + 6);
             for (int m = 0; m < kModes; ++m)
                 sum[m] += b0 * static_cast<double>(z[3 * m])
                         + b1 * static_cast<double>(z[3 * m + 1])
@@ -68,8 +66,7 @@ inline __attribute__((always_inline)) void sum_couplings(const RowBlocks<Number>
 }
 
 template <class Number>
-inline __attribute__((always_inline)) void store_block(const Double4* columns,
-                                                       Number* out) {
+inline __attribute__((always_inline)) void store_block(const Wide* columns, Number* out) {
     for (int m = 0; m < kModes; ++m)
         for (int r = 0; r < 3; ++r)
             out[3 * m + r] = static_cast<Number>(columns[m][r]);
@@ -169,10 +166,10 @@ void CoarseSpace::fill_row(const ColouredOperator& op,
                           couplings.aggregate.data() + begin,
                           couplings.begin[at(row) + 1] - begin,
                           modes_.data(),
-                          [&](int k, const Double4* sum) { take(at(begin + k), sum); });
+                          [&](int k, const Wide* sum) { take(at(begin + k), sum); });
         });
     };
-    fill(after, pattern_.upper, [this](std::size_t e, const Double4* sum) {
+    fill(after, pattern_.upper, [this](std::size_t e, const Wide* sum) {
         store_block(sum, &pull_[at(kBlock) * e]);
         store_block(sum, &pull_of_[at(kBlock) * at(pattern_.upper.of_place[e])]);
     });
@@ -180,7 +177,7 @@ void CoarseSpace::fill_row(const ColouredOperator& op,
     const RowBlocks<Number> before{op.lower().col.data() + first,
                                    lower_begin[at(row) + 1] - 1 - first,
                                    lower + 9 * at(first - row)};
-    fill(before, pattern_.lower, [this](std::size_t e, const Double4* sum) {
+    fill(before, pattern_.lower, [this](std::size_t e, const Wide* sum) {
         store_block(sum, &push_of_[at(kBlock) * at(pattern_.lower.of_place[e])]);
     });
 }

@@ -3,6 +3,7 @@
 
 #include "linear/coarse_space.hpp"
 
+#include "core/index.hpp"
 #include "linear/wide.hpp"
 
 namespace noli {
@@ -12,22 +13,18 @@ namespace {
 constexpr int kModes = CoarseSpace::kModes;
 constexpr int kBlock = CoarseSpace::kBlock;
 
+using detail::at;
 using detail::load_wide;
 using detail::three_lanes;
+using detail::Wide;
 using detail::wide;
-using Double4 = detail::Wide;
-
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
 
 /// Sums of blockᵀ v over blocks, one vector of lanes per mode.
 struct ModeSums {
-    Double4 s[kModes] = {};
+    Wide s[kModes] = {};
 
     template <class Number>
-    inline __attribute__((always_inline)) void add(const Number* block,
-                                                   const Double4& v) {
+    inline __attribute__((always_inline)) void add(const Number* block, const Wide& v) {
         for (int m = 0; m < kModes; ++m)
             s[m] += load_wide(block + 3 * m) * v;
     }
@@ -39,9 +36,8 @@ struct ModeSums {
 
 /// block c; lane 3 is what follows the block.
 template <class Number>
-inline __attribute__((always_inline)) Double4 moved(const Number* block,
-                                                    const double* c) {
-    Double4 sum{};
+inline __attribute__((always_inline)) Wide moved(const Number* block, const double* c) {
+    Wide sum{};
     for (int m = 0; m < kModes; ++m)
         sum += load_wide(block + 3 * m) * c[m];
     return sum;
@@ -134,7 +130,7 @@ void CoarseSpace::renew(
     detail::with_avx2([=] {
         for (int i = begin; i < end; ++i) {
             const std::size_t row = 4 * at(i);
-            Double4 out = wide(y + row) + beta * wide(t + row);
+            Wide out = wide(y + row) + beta * wide(t + row);
             if (const int own = aggregate[i]; own >= 0)
                 out +=
                     three_lanes(moved(modes + at(kBlock) * at(i), c + at(kModes * own)));
@@ -158,7 +154,7 @@ void CoarseSpace::renew_split(const double* r,
     detail::with_avx2([=] {
         for (int i = begin; i < end; ++i) {
             const std::size_t row = 4 * at(i);
-            Double4 pulled{};
+            Wide pulled{};
             for (int e = first[i]; e < first[i + 1]; ++e)
                 pulled += moved(pull + at(kBlock) * at(e), c + at(kModes * aggregate[e]));
             wide(s + row) = wide(r + row) - wide(y + row) + three_lanes(pulled)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/coloured_operator.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -8,9 +10,7 @@ namespace noli {
 
 namespace {
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 template <class T>
 bool same(const std::vector<T>& a, View<const T> b) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/element_partition.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
@@ -9,9 +11,7 @@ namespace noli {
 
 namespace {
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 /// Blocks along the curve, not yet coloured: colour_begin stays empty.
 ElementPartition cut_blocks(std::span<const int> range_begin,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/element_sums.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <cstddef>
 
@@ -8,9 +10,7 @@ namespace noli {
 
 namespace {
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 /// Upper block of the matrix that each upper block of each element adds to.
 std::vector<int> upper_of_element_blocks(const BlockPattern& pattern) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/incomplete_cholesky.hpp"
 
+#include "core/index.hpp"
 #include "exec/lanes.hpp"
 #include "linear/column_sums.hpp"
 
@@ -9,38 +10,34 @@ namespace noli {
 namespace {
 
 using detail::add_lanes;
+using detail::at;
 using detail::ColumnSums;
 using detail::load_wide;
+using detail::Wide;
 using detail::wide;
-using Double4 = detail::Wide;
-
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
 
 /// Row-major 3x3 block whose rows are padded to four doubles; lane 3 is junk.
 struct WideBlock {
-    Double4 row[3];
+    Wide row[3];
 
     /// From a column-major block.
     template <class Number>
     static WideBlock from(const Number* b) {
         const auto row = [b](int r) {
-            return Double4{static_cast<double>(b[r]),
-                           static_cast<double>(b[3 + r]),
-                           static_cast<double>(b[6 + r]),
-                           0};
+            return Wide{static_cast<double>(b[r]),
+                        static_cast<double>(b[3 + r]),
+                        static_cast<double>(b[6 + r]),
+                        0};
         };
         return {{row(0), row(1), row(2)}};
     }
     static WideBlock identity(double scale) {
-        return {
-            {Double4{scale, 0, 0, 0}, Double4{0, scale, 0, 0}, Double4{0, 0, scale, 0}}};
+        return {{Wide{scale, 0, 0, 0}, Wide{0, scale, 0, 0}, Wide{0, 0, scale, 0}}};
     }
     [[nodiscard]] WideBlock transposed() const {
-        return {Double4{row[0][0], row[1][0], row[2][0], 0},
-                Double4{row[0][1], row[1][1], row[2][1], 0},
-                Double4{row[0][2], row[1][2], row[2][2], 0}};
+        return {Wide{row[0][0], row[1][0], row[2][0], 0},
+                Wide{row[0][1], row[1][1], row[2][1], 0},
+                Wide{row[0][2], row[1][2], row[2][2], 0}};
     }
     [[nodiscard]] Mat3d narrow() const {
         return {row[0][0],
@@ -59,9 +56,9 @@ struct WideBlock {
 inline __attribute__((always_inline)) void subtract_product(WideBlock& block,
                                                             const WideBlock& left,
                                                             const float* b) {
-    const Double4 b0 = load_wide(b);
-    const Double4 b1 = load_wide(b + 3);
-    const Double4 b2 = load_wide(b + 6);
+    const Wide b0 = load_wide(b);
+    const Wide b1 = load_wide(b + 3);
+    const Wide b2 = load_wide(b + 6);
     for (int i = 0; i < 3; ++i)
         block.row[i] -= left.row[i][0] * b0 + left.row[i][1] * b1 + left.row[i][2] * b2;
 }
@@ -133,12 +130,12 @@ inline __attribute__((always_inline)) void finish_entry(const WideBlock& entry,
                                                         float* out,
                                                         WideBlock& pivot) {
     const WideBlock column = entry.transposed();
-    const Double4 scaled[3] = {inverse.xx * column.row[0] + inverse.xy * column.row[1]
-                                   + inverse.xz * column.row[2],
-                               inverse.xy * column.row[0] + inverse.yy * column.row[1]
-                                   + inverse.yz * column.row[2],
-                               inverse.xz * column.row[0] + inverse.yz * column.row[1]
-                                   + inverse.zz * column.row[2]};
+    const Wide scaled[3] = {inverse.xx * column.row[0] + inverse.xy * column.row[1]
+                                + inverse.xz * column.row[2],
+                            inverse.xy * column.row[0] + inverse.yy * column.row[1]
+                                + inverse.yz * column.row[2],
+                            inverse.xz * column.row[0] + inverse.yz * column.row[1]
+                                + inverse.zz * column.row[2]};
     for (int c = 0; c < 3; ++c)
         for (int r = 0; r < 3; ++r)
             out[3 * c + r] = static_cast<float>(scaled[c][r]);
@@ -211,7 +208,7 @@ inline __attribute__((always_inline)) double backward_rows(const ColouredOperato
                                                            int end,
                                                            const double* r,
                                                            double* y) {
-    Double4 ry{};
+    Wide ry{};
     const int num_rows = rows.num_rows();
     const int* upper_begin = rows.upper_begin.data();
     const int* col = rows.upper_col.data();
@@ -223,7 +220,7 @@ inline __attribute__((always_inline)) double backward_rows(const ColouredOperato
             sums.add(m, y + 4 * at(col[p]));
         double* row = y + 4 * at(i);
         const Vec3d d = pivot_inverse[i] * Vec3d{row[0], row[1], row[2]};
-        const Double4 out = Double4{d.x, d.y, d.z, 0.0} - sums.total();
+        const Wide out = Wide{d.x, d.y, d.z, 0.0} - sums.total();
         wide(row) = out;
         ry += wide(r + 4 * at(i)) * out;
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/rigid_aggregates.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -12,9 +14,7 @@ namespace {
 constexpr int kSmallest = 32;
 constexpr int kMost = 1000;
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 int find_root(std::vector<int>& parent, int v) {
     while (parent[at(v)] != v) {

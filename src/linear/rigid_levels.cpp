@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/rigid_levels.hpp"
 
+#include "core/index.hpp"
+
 #include <cstddef>
 
 namespace noli {
 
 namespace {
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 /// Nodes of `group` consecutive aggregates each.
 RigidLevel make_level(const RigidAggregates& aggregates, int group) {

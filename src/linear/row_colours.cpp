@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/row_colours.hpp"
 
+#include "core/index.hpp"
+
 #include <algorithm>
 #include <numeric>
 
@@ -10,9 +12,7 @@ namespace {
 
 constexpr int kBlocksPerGroup = 4;
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 /// Per block: the blocks before it that terms couple it to, in any order.
 struct TermNeighbours {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/scaled_operator.hpp"
 
+#include "core/index.hpp"
+
 namespace noli {
 
 namespace {
 
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
+using detail::at;
 
 }  // namespace
 

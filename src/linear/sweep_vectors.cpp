@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/sweep_vectors.hpp"
 
+#include "core/index.hpp"
 #include "linear/wide.hpp"
 
 namespace noli {
@@ -9,12 +10,9 @@ namespace {
 
 using detail::add_lanes;
 using detail::apply_factor;
+using detail::at;
+using detail::Wide;
 using detail::wide;
-using Double4 = detail::Wide;
-
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 
@@ -29,21 +27,21 @@ void SweepVectors::clear_row(int row, View<const Vec3d> b) {
     const std::size_t k = 4 * at(row);
     wide(&s_[k]) = apply_factor(op_.scale()[row], b[op_.vertex(row)]);
     for (std::vector<double>* v : {&x_, &r_, &p_, &t_, &w_, &y_})
-        wide(&(*v)[k]) = Double4{};
+        wide(&(*v)[k]) = Wide{};
 }
 
 void SweepVectors::take_start_of_row(int row) {
     const std::size_t k = 4 * at(row);
     wide(&x_[k]) = wide(&t_[k]);
     wide(&s_[k]) -= wide(&w_[k]);
-    wide(&t_[k]) = wide(&w_[k]) = Double4{};
+    wide(&t_[k]) = wide(&w_[k]) = Wide{};
 }
 
 double SweepVectors::start_row(int row, const double* from) {
     const std::size_t k = 4 * at(row);
-    const Double4 r = wide(from + k);
+    const Wide r = wide(from + k);
     wide(&r_[k]) = r;
-    wide(&w_[k]) = wide(&s_[k]) = Double4{};
+    wide(&w_[k]) = wide(&s_[k]) = Wide{};
     return add_lanes(r * r);
 }
 
@@ -133,7 +131,7 @@ detail::SweepSums SweepVectors::total() const {
 }
 
 Vec3d SweepVectors::result(int row, double alpha) const {
-    const Double4 x = wide(&x_[4 * at(row)]) + alpha * wide(&t_[4 * at(row)]);
+    const Wide x = wide(&x_[4 * at(row)]) + alpha * wide(&t_[4 * at(row)]);
     const InverseFactor& f = op_.scale()[row];
     return {f.c0[0] * x[0] + f.c0[1] * x[1] + f.c0[2] * x[2],
             f.c1[1] * x[1] + f.c1[2] * x[2],

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "linear/sweeps.hpp"
 
+#include "core/index.hpp"
 #include "linear/column_sums.hpp"
-
-#include <cmath>
 
 namespace noli {
 
@@ -11,13 +10,10 @@ namespace {
 
 using detail::add_lanes;
 using detail::apply_factor;
+using detail::at;
 using detail::ColumnSums;
+using detail::Wide;
 using detail::wide;
-using Double4 = detail::Wide;
-
-std::size_t at(int i) {
-    return static_cast<std::size_t>(i);
-}
 
 /// L'ᵀ v at row i.
 template <class Number>
@@ -34,15 +30,15 @@ inline __attribute__((always_inline)) void add_upper(detail::SweepArrays<Number>
 template <class Number>
 inline __attribute__((always_inline)) double backward_rows(
     detail::SweepArrays<Number> s, double alpha, double beta, int begin, int end) {
-    Double4 rr{};
+    Wide rr{};
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
         add_upper(s, s.t, i, sums);
         const std::size_t row = 4 * at(i);
-        const Double4 t = wide(s.t + row);
+        const Wide t = wide(s.t + row);
         wide(s.x + row) += alpha * t;
-        const Double4 r = wide(s.r + row) - alpha * (t + wide(s.w + row));
-        const Double4 p = r + beta * wide(s.p + row);
+        const Wide r = wide(s.r + row) - alpha * (t + wide(s.w + row));
+        const Wide p = r + beta * wide(s.p + row);
         wide(s.r + row) = r;
         wide(s.p + row) = p;
         wide(s.t + row) = p - sums.total();
@@ -56,14 +52,14 @@ inline __attribute__((always_inline)) double residual_rows(detail::SweepArrays<N
                                                            double alpha,
                                                            int begin,
                                                            int end) {
-    Double4 rr{};
+    Wide rr{};
     for (int i = end - 1; i >= begin; --i) {
         ColumnSums sums;
         add_upper(s, s.y, i, sums);
         const std::size_t row = 4 * at(i);
-        const Double4 t = wide(s.t + row);
+        const Wide t = wide(s.t + row);
         wide(s.x + row) += alpha * t;
-        const Double4 r = wide(s.r + row) - alpha * (t + wide(s.w + row));
+        const Wide r = wide(s.r + row) - alpha * (t + wide(s.w + row));
         wide(s.r + row) = r;
         wide(s.y + row) = r - sums.total();
         rr += r * r;
@@ -89,15 +85,15 @@ inline __attribute__((always_inline)) void product_rows(detail::SweepArrays<Numb
                                                         int begin,
                                                         int end,
                                                         detail::SweepSums& out) {
-    Double4 pq{};
-    Double4 rp{};
+    Wide pq{};
+    Wide rp{};
     for (int i = begin; i < end; ++i) {
         ColumnSums sums;
         add_lower(s, s.t, i, sums);
         add_upper(s, s.t, i, sums);
         const std::size_t row = 4 * at(i);
-        const Double4 t = wide(s.t + row);
-        const Double4 w = t + sums.total();
+        const Wide t = wide(s.t + row);
+        const Wide w = t + sums.total();
         wide(s.w + row) = w;
         pq += t * w;
         rp += wide(s.r + row) * t;
@@ -114,19 +110,19 @@ inline __attribute__((always_inline)) void forward_rows(detail::SweepArrays<Numb
                                                         int end,
                                                         const Parts& parts,
                                                         detail::SweepSums& out) {
-    Double4 pq{};
-    Double4 rp{};
-    Double4 rq{};
-    Double4 qq{};
+    Wide pq{};
+    Wide rp{};
+    Wide rq{};
+    Wide qq{};
     for (int i = begin; i < end; ++i) {
         ColumnSums sums;
         add_lower(s, s.w, i, sums);
         const std::size_t row = 4 * at(i);
-        const Double4 t = wide(s.t + row);
-        const Double4 r = wide(s.r + row);
+        const Wide t = wide(s.t + row);
+        const Wide r = wide(s.r + row);
         const auto [p, apart] = parts(row, t);
-        const Double4 w = apart - sums.total();
-        const Double4 q = t + w;
+        const Wide w = apart - sums.total();
+        const Wide q = t + w;
         wide(s.w + row) = w;
         pq += p * q;
         rp += r * p;
@@ -140,7 +136,7 @@ inline __attribute__((always_inline)) void forward_rows(detail::SweepArrays<Numb
 }
 
 struct Parts {
-    Double4 p, apart;  ///< p, p - t
+    Wide p, apart;  ///< p, p - t
 };
 
 /// s holds p - t.
@@ -149,8 +145,8 @@ inline __attribute__((always_inline)) void split_rows(detail::SweepArrays<Number
                                                       int begin,
                                                       int end,
                                                       detail::SweepSums& out) {
-    const auto parts = [&s](std::size_t row, const Double4& t) {
-        const Double4 apart = wide(s.s + row);
+    const auto parts = [&s](std::size_t row, const Wide& t) {
+        const Wide apart = wide(s.s + row);
         return Parts{apart + t, apart};
     };
     forward_rows(s, begin, end, parts, out);
@@ -161,15 +157,15 @@ inline __attribute__((always_inline)) void direction_rows(detail::SweepArrays<Nu
                                                           int begin,
                                                           int end,
                                                           detail::SweepSums& out) {
-    const auto parts = [&s](std::size_t row, const Double4& t) {
-        const Double4 p = wide(s.p + row);
+    const auto parts = [&s](std::size_t row, const Wide& t) {
+        const Wide p = wide(s.p + row);
         return Parts{p, p - t};
     };
     forward_rows(s, begin, end, parts, out);
 }
 
 /// A 3x3 block from its rows, row by row and column by column.
-inline __attribute__((always_inline)) void store_both(const Double4 (&m)[3],
+inline __attribute__((always_inline)) void store_both(const Wide (&m)[3],
                                                       double* rows,
                                                       double* columns) {
     for (int r = 0; r < 3; ++r)
@@ -193,7 +189,7 @@ inline __attribute__((always_inline)) void store_threes(const Float4& a,
     out[8] = c[2];
 }
 
-inline __attribute__((always_inline)) void store_both(const Double4 (&m)[3],
+inline __attribute__((always_inline)) void store_both(const Wide (&m)[3],
                                                       float* rows,
                                                       float* columns) {
     const Float4 a = __builtin_convertvector(m[0], Float4);
@@ -215,12 +211,12 @@ inline __attribute__((always_inline)) void scale_block(const InverseFactor& fi,
                                                        const InverseFactor& fj,
                                                        Number* columns,
                                                        Number* rows) {
-    Double4 half[3];  // rows of m C_j⁻ᵀ
+    Wide half[3];  // rows of m C_j⁻ᵀ
     for (int r = 0; r < 3; ++r)
         half[r] = apply_factor(fj, m.row(r));
-    const Double4 out[3] = {fi.c0[0] * half[0],
-                            fi.c0[1] * half[0] + fi.c1[1] * half[1],
-                            fi.c0[2] * half[0] + fi.c1[2] * half[1] + fi.c2[2] * half[2]};
+    const Wide out[3] = {fi.c0[0] * half[0],
+                         fi.c0[1] * half[0] + fi.c1[1] * half[1],
+                         fi.c0[2] * half[0] + fi.c1[2] * half[1] + fi.c2[2] * half[2]};
     store_both(out, rows, columns);
 }
 
@@ -242,77 +238,52 @@ inline __attribute__((always_inline)) void scale_row_blocks(
 
 namespace detail {
 
+template <class Number>
 void scale_blocks(
-    const RowScaling<double>& s, int row, int first, int count, const Mat3d* blocks) {
-    return with_avx2([&] { return scale_row_blocks(s, row, first, count, blocks); });
-}
-void scale_blocks(
-    const RowScaling<float>& s, int row, int first, int count, const Mat3d* blocks) {
-    return with_avx2([&] { return scale_row_blocks(s, row, first, count, blocks); });
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks) {
+    with_avx2([&] { scale_row_blocks(s, row, first, count, blocks); });
 }
 
+template <class Number>
 double sweep_backward(
-    const SweepArrays<double>& s, double alpha, double beta, int begin, int end) {
-    return with_avx2([&] { return backward_rows(s, alpha, beta, begin, end); });
-}
-double sweep_backward(
-    const SweepArrays<float>& s, double alpha, double beta, int begin, int end) {
+    const SweepArrays<Number>& s, double alpha, double beta, int begin, int end) {
     return with_avx2([&] { return backward_rows(s, alpha, beta, begin, end); });
 }
 
-double sweep_residual(const SweepArrays<double>& s, double alpha, int begin, int end) {
+template <class Number>
+double sweep_residual(const SweepArrays<Number>& s, double alpha, int begin, int end) {
     return with_avx2([&] { return residual_rows(s, alpha, begin, end); });
 }
-double sweep_residual(const SweepArrays<float>& s, double alpha, int begin, int end) {
-    return with_avx2([&] { return residual_rows(s, alpha, begin, end); });
+
+template <class Number>
+void sweep_forward(const SweepArrays<Number>& s, int begin, int end, SweepSums& sums) {
+    with_avx2([&] { direction_rows(s, begin, end, sums); });
 }
 
-void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return direction_rows(s, begin, end, sums); });
-}
-void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return direction_rows(s, begin, end, sums); });
+template <class Number>
+void sweep_split(const SweepArrays<Number>& s, int begin, int end, SweepSums& sums) {
+    with_avx2([&] { split_rows(s, begin, end, sums); });
 }
 
-void sweep_split(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return split_rows(s, begin, end, sums); });
-}
-void sweep_split(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return split_rows(s, begin, end, sums); });
+template <class Number>
+void multiply_rows(const SweepArrays<Number>& s, int begin, int end, SweepSums& sums) {
+    with_avx2([&] { product_rows(s, begin, end, sums); });
 }
 
-void multiply_rows(const SweepArrays<double>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return product_rows(s, begin, end, sums); });
-}
-void multiply_rows(const SweepArrays<float>& s, int begin, int end, SweepSums& sums) {
-    return with_avx2([&] { return product_rows(s, begin, end, sums); });
-}
+template void scale_blocks(const RowScaling<double>&, int, int, int, const Mat3d*);
+template double sweep_backward(const SweepArrays<double>&, double, double, int, int);
+template double sweep_residual(const SweepArrays<double>&, double, int, int);
+template void sweep_forward(const SweepArrays<double>&, int, int, SweepSums&);
+template void sweep_split(const SweepArrays<double>&, int, int, SweepSums&);
+template void multiply_rows(const SweepArrays<double>&, int, int, SweepSums&);
+
+template void scale_blocks(const RowScaling<float>&, int, int, int, const Mat3d*);
+template double sweep_backward(const SweepArrays<float>&, double, double, int, int);
+template double sweep_residual(const SweepArrays<float>&, double, int, int);
+template void sweep_forward(const SweepArrays<float>&, int, int, SweepSums&);
+template void sweep_split(const SweepArrays<float>&, int, int, SweepSums&);
+template void multiply_rows(const SweepArrays<float>&, int, int, SweepSums&);
 
 }  // namespace detail
-
-bool invert_factor(const Mat3d& m, InverseFactor& out) {
-    const double largest = std::fmax(m.a[0], std::fmax(m.a[4], m.a[8]));
-    out = {};
-    if (largest <= 0.0) return m.a[0] == 0.0 && m.a[4] == 0.0 && m.a[8] == 0.0;
-    const double rounding = 1e-14 * largest;
-    bool positive = true;
-    const auto root = [&](double pivot) {
-        positive = positive && pivot > -100.0 * rounding;
-        return std::sqrt(std::fmax(pivot, rounding));
-    };
-    const double c00 = root(m.a[0]);
-    const double c10 = m.a[3] / c00;
-    const double c20 = m.a[6] / c00;
-    const double c11 = root(m.a[4] - c10 * c10);
-    const double c21 = (m.a[7] - c20 * c10) / c11;
-    const double c22 = root(m.a[8] - c20 * c20 - c21 * c21);
-    out.c0[0] = 1.0 / c00;
-    out.c1[1] = 1.0 / c11;
-    out.c2[2] = 1.0 / c22;
-    out.c0[1] = -c10 * out.c0[0] * out.c1[1];
-    out.c1[2] = -c21 * out.c1[1] * out.c2[2];
-    out.c0[2] = -(c20 * out.c0[0] + c21 * out.c0[1]) * out.c2[2];
-    return positive;
-}
 
 }  // namespace noli

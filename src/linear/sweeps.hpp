@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The triangular sweeps and the product of sweep_cg.hpp over a range of rows, and the
-/// scaling of the blocks that they read.
+/// scaling of the blocks that they read. Templates are instantiated for Number = double
+/// and float in sweeps.cpp.
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
+#include "linear/inverse_factor.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -40,46 +42,26 @@ struct SweepSums {
 
 /// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w), p = r + beta p and
 /// t = p - L'ᵀ t. Returns r.r.
+template <class Number>
 double sweep_backward(
-    const SweepArrays<double>& s, double alpha, double beta, int begin, int end);
-double sweep_backward(
-    const SweepArrays<float>& s, double alpha, double beta, int begin, int end);
+    const SweepArrays<Number>& s, double alpha, double beta, int begin, int end);
 
 /// For rows end-1 down to begin: x += alpha t, r -= alpha (t + w) and y = r - L'ᵀ y.
 /// Returns r.r.
-double sweep_residual(const SweepArrays<double>& s, double alpha, int begin, int end);
-double sweep_residual(const SweepArrays<float>& s, double alpha, int begin, int end);
+template <class Number>
+double sweep_residual(const SweepArrays<Number>& s, double alpha, int begin, int end);
 
 /// w = s - L' w for rows begin to end-1. Sets the sums over q = t + w and p = s + t.
-void sweep_split(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
-void sweep_split(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
+template <class Number>
+void sweep_split(const SweepArrays<Number>& s, int begin, int end, SweepSums& sums);
 
 /// w = t + L' t + L'ᵀ t for rows begin to end-1. Sets pq = t.w and rp = r.t.
-void multiply_rows(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
-void multiply_rows(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
+template <class Number>
+void multiply_rows(const SweepArrays<Number>& s, int begin, int end, SweepSums& sums);
 
 /// w = p - t - L' w for rows begin to end-1. Sets the sums over q = t + w.
-void sweep_forward(const SweepArrays<double>& s, int begin, int end, SweepSums& sums);
-void sweep_forward(const SweepArrays<float>& s, int begin, int end, SweepSums& sums);
-
-}  // namespace detail
-
-/// Inverse of the Cholesky factor of a 3x3 block, lower triangular, by columns padded to
-/// four.
-struct alignas(32) InverseFactor {
-    double c0[4];  ///< (i00, i10, i20, 0)
-    double c1[4];  ///< (0, i11, i21, 0)
-    double c2[4];  ///< (0, 0, i22, 0)
-};
-
-/// In:   m  (3,3) symmetric
-/// Out:  C⁻¹ with C Cᵀ = m; zero where m has no positive diagonal entry (an unknown that
-/// cannot
-///       move). Pivots within rounding of 0 are raised; false when one is below that or
-///       NaN.
-bool invert_factor(const Mat3d& m, InverseFactor& out);
-
-namespace detail {
+template <class Number>
+void sweep_forward(const SweepArrays<Number>& s, int begin, int end, SweepSums& sums);
 
 /// What filling a row of the scaled triangles needs.
 template <class Number>
@@ -92,10 +74,9 @@ struct RowScaling {
 };
 
 /// Scales the `count` off-diagonal blocks of a row whose first one has number `first`.
+template <class Number>
 void scale_blocks(
-    const RowScaling<double>& s, int row, int first, int count, const Mat3d* blocks);
-void scale_blocks(
-    const RowScaling<float>& s, int row, int first, int count, const Mat3d* blocks);
+    const RowScaling<Number>& s, int row, int first, int count, const Mat3d* blocks);
 
 }  // namespace detail
 

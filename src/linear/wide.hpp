@@ -4,7 +4,7 @@
 /// (exec/avx2.hpp).
 
 #include "exec/avx2.hpp"
-#include "linear/sweeps.hpp"
+#include "linear/inverse_factor.hpp"
 
 namespace noli::detail {
 
