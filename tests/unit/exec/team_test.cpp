@@ -338,6 +338,21 @@ TEST_P(TeamOf, RunsStagesOnItsLeaderWhenTheyAreNotShared) {
     team.share(true);
 }
 
+/// 65,535 stages are the most that a loop counts; beyond, its leader runs it.
+TEST_P(TeamOf, RunsAnyNumberOfStages) {
+    Team team(GetParam());
+    const TeamScope scope(team);
+    CpuExec exec;
+    for (const int stages : {65535, 65536}) {
+        std::vector<int> bounds(static_cast<std::size_t>(stages) + 1);
+        std::iota(bounds.begin(), bounds.end(), 0);
+        for (const bool back : {false, true}) {
+            expect_stages_in_order(exec, bounds, back);
+            expect_one_visit_each(team, 20, 1);
+        }
+    }
+}
+
 TEST(Stages, AreInOrderOnEveryExecutor) {
     CpuExec cpu;
     SerialExec serial;
