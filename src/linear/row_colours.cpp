@@ -218,9 +218,12 @@ ColouredRows colour_rows(const OperatorView& op, const RowBlocksOfMatrix& blocks
     out.group_begin.push_back(0);
     for (const std::vector<int>& of_colour : regions_of) {
         out.colour_begin.push_back(static_cast<int>(out.group_begin.size()) - 1);
-        if (!in_regions) append_groups(of_colour, blocks, out);
-        for (const int region : of_colour)
-            if (in_regions) append_region(region, colours, blocks, out);
+        if (in_regions) {
+            for (const int region : of_colour)
+                append_region(region, colours, blocks, out);
+        } else {
+            append_groups(of_colour, blocks, out);
+        }
     }
     out.colour_begin.push_back(static_cast<int>(out.group_begin.size()) - 1);
     out.nearby.reserve(blocks.free.vertex.size());
