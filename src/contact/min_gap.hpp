@@ -77,32 +77,45 @@ PairSetReader reader_of(const DeviceCollisionMesh<Exec>& mesh,
             mesh.view().planes};
 }
 
-/// Distance of the primitives that a pair stands for, m. Classified anew: the closest
-/// features of an edge pair are the distance of its edges.
-NOLI_HD inline double pair_distance(const PairSetReader& pairs,
-                                    const MinGap& pair,
-                                    View<const Vec3d> x) {
-    const Int4& v = pair.vertices;
-    switch (pair.kind) {
-        case MinGap::Kind::PointPoint:
-            return std::sqrt(point_point_distance_sq({{x[v[0]], x[v[1]]}}));
-        case MinGap::Kind::PointEdge:
-            return std::sqrt(
-                classify_point_triangle({{x[v[0]], x[v[1]], x[v[2]], x[v[2]]}}).d_sq);
-        case MinGap::Kind::PointTriangle:
-            return std::sqrt(classify_point_triangle(stencil_at(x, v)).d_sq);
-        case MinGap::Kind::EdgeEdge:
-        case MinGap::Kind::Mollified:
-            return std::sqrt(classify_edge_edge(stencil_at(x, v)).d_sq);
-        case MinGap::Kind::Plane:
-            return plane_distance(pairs.half_spaces[v[1]], x[v[0]]);
-        case MinGap::Kind::None:
-            break;
-    }
-    return INFINITY;
-}
+/// Distance of the primitives that a pair stands for, m; NaN where doubles do not
+/// suffice. Classified anew: the closest features of an edge pair are the distance of its
+/// edges.
+struct PairDistance {
+    PairSetReader pairs;
+    View<const Vec3d> x;
+    int i;
 
-template <class Exec>
+    template <class Stage>
+    NOLI_HD double operator()(Stage& stage) const {
+        const double distance = of(pairs.name(i), stage);
+        return stage.enough() ? distance : NAN;
+    }
+    template <class Stage>
+    NOLI_HD double of(const MinGap& pair, Stage& stage) const {
+        const Int4& v = pair.vertices;
+        switch (pair.kind) {
+            case MinGap::Kind::PointPoint:
+                return std::sqrt(point_point_distance_sq({{x[v[0]], x[v[1]]}}));
+            case MinGap::Kind::PointEdge:
+                return std::sqrt(
+                    point_segment_feature(
+                        {{x[v[0]], x[v[1]], x[v[2]], x[v[2]]}}, 0, 1, 2, stage)
+                        .d_sq);
+            case MinGap::Kind::PointTriangle:
+                return std::sqrt(classify_point_triangle(stencil_at(x, v), stage).d_sq);
+            case MinGap::Kind::EdgeEdge:
+            case MinGap::Kind::Mollified:
+                return std::sqrt(classify_edge_edge(stencil_at(x, v), stage).d_sq);
+            case MinGap::Kind::Plane:
+                return plane_distance(pairs.half_spaces[v[1]], x[v[0]]);
+            case MinGap::Kind::None:
+                break;
+        }
+        return INFINITY;
+    }
+};
+
+template <Doubles How, class Exec>
 void pair_distances(Exec& exec,
                     PairSetReader pairs,
                     View<const Vec3d> x,
@@ -110,7 +123,9 @@ void pair_distances(Exec& exec,
     exec.for_each(
         "contact/pair_distances",
         distances.size,
-        [=] NOLI_HD(int i) { distances[i] = pair_distance(pairs, pairs.name(i), x); },
+        [=] NOLI_HD(int i) {
+            distances[i] = evaluate<How>(PairDistance{pairs, x, i});
+        },
         32);
 }
 
@@ -124,10 +139,13 @@ Later smallest_of(Exec& exec, View<const double> values) {
 template <class Exec>
 Later smallest_gap_later(Exec& exec,
                          const PairSetReader& pairs,
+                         Doubles doubles,
                          View<const Vec3d> x,
                          MinGapWork<Exec>& work) {
     work.distances.resize(pairs.size());
-    pair_distances(exec, pairs, x, work.distances.view());
+    with_constant<Exec>(doubles, [&](auto how) {
+        pair_distances<decltype(how)::value>(exec, pairs, x, work.distances.view());
+    });
     return smallest_of(exec, work.distances.view());
 }
 
@@ -147,18 +165,20 @@ void name_pair(Exec& exec, PairSetReader pairs, int i, View<MinGap> out) {
 
 }  // namespace detail
 
-/// Smallest distance of the pairs at positions x, m; +infinity without pairs.
+/// Smallest distance of the pairs at positions x, where they were found, m; +infinity
+/// without pairs.
 template <class Exec>
 Later smallest_gap_later(Exec& exec,
                          const DeviceCollisionMesh<Exec>& mesh,
                          const PairSet<Exec>& pairs,
                          View<const Vec3d> x,
                          MinGapWork<Exec>& work) {
-    return detail::smallest_gap_later(exec, detail::reader_of(mesh, pairs), x, work);
+    return detail::smallest_gap_later(
+        exec, detail::reader_of(mesh, pairs), pairs.doubles, x, work);
 }
 
-/// Smallest distance of the pairs at positions x and the first pair that has it. A NaN
-/// distance gives gap NaN and kind None.
+/// Smallest distance of the pairs at positions x, where they were found, and the first
+/// pair that has it. A NaN distance gives gap NaN and kind None.
 template <class Exec>
 MinGap min_gap(Exec& exec,
                const DeviceCollisionMesh<Exec>& mesh,
@@ -166,7 +186,8 @@ MinGap min_gap(Exec& exec,
                View<const Vec3d> x,
                MinGapWork<Exec>& work) {
     const detail::PairSetReader reader = detail::reader_of(mesh, pairs);
-    const double gap = exec.value(detail::smallest_gap_later(exec, reader, x, work));
+    const double gap =
+        exec.value(detail::smallest_gap_later(exec, reader, pairs.doubles, x, work));
     const double first = detail::first_place_of(exec, gap, work.distances.view());
     work.closest.resize(1);
     if (!(first < INFINITY)) return {gap, MinGap::Kind::None, {{-1, -1, -1, -1}}};

@@ -2,20 +2,18 @@
 #pragma once
 /// Active pairs, sorted into one list per kind of stencil.
 ///
-/// A candidate is classified once; its closest features are kept as a 16-bit code. Codes
-/// are counted per kind in chunks of 64, one scan over all (kind, chunk) counts gives
-/// every chunk its places, and a last loop writes the pairs: in the order of the
-/// candidates within each kind, for every executor.
+/// A candidate is classified once; its closest features are kept as a 16-bit code
+/// (contact/candidate_code.hpp). Codes are counted per kind in chunks of 64, one scan
+/// over all (kind, chunk) counts gives every chunk its places, and a last loop writes the
+/// pairs: in the order of the candidates within each kind, for every executor.
 ///
 /// A point-point or point-edge pair that several candidates share occurs once for each:
 /// that is how the barrier counts them. Source: MATH 9, 3.1.
 
-#include "contact/candidates.hpp"
+#include "contact/candidate_code.hpp"
 #include "exec/later.hpp"
-#include "geometry/closest_feature.hpp"
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 
 namespace noli {
@@ -41,6 +39,8 @@ struct PairSet {
     Buffer<Int4> ee;  ///< a0 a1 b0 b1
     Buffer<MollifiedPair> mollified;
     Buffer<Int2> planes;  ///< vertex, plane index
+    /// Only: doubles suffice for the geometry of all these pairs, where they were found.
+    Doubles doubles = Doubles::First;
 
     [[nodiscard]] int size() const {
         return pp.size() + pe.size() + pt.size() + ee.size() + mollified.size()
@@ -49,109 +49,6 @@ struct PairSet {
 };
 
 namespace detail {
-
-/// The lists of a PairSet, in order.
-enum class PairList : int { PP, PE, PT, EE, Mollified, Plane, None };
-inline constexpr int kNumPairLists = 6;
-
-/// Bits 0-2 list, 3-4 kind, 5-12 the four local positions (0 where unused).
-NOLI_HD inline std::uint16_t encode(PairList list, const ClosestFeature& f) {
-    unsigned code = static_cast<unsigned>(list) | static_cast<unsigned>(f.kind) << 3;
-    for (int k = 0; k < 4; ++k) {
-        const int position = f.local[k];
-        if (position > 0) code |= static_cast<unsigned>(position) << (5 + 2 * k);
-    }
-    return static_cast<std::uint16_t>(code);
-}
-NOLI_HD inline PairList list_of(std::uint16_t code) {
-    return static_cast<PairList>(code & 7U);
-}
-NOLI_HD inline PairKind kind_of(std::uint16_t code) {
-    return static_cast<PairKind>((code >> 3) & 3U);
-}
-NOLI_HD inline int local_of(std::uint16_t code, int k) {
-    return (code >> (5 + 2 * k)) & 3;
-}
-
-/// Number of points in a kind's stencil.
-NOLI_HD inline int stencil_size(PairKind kind) {
-    if (kind == PairKind::PointPoint) return 2;
-    return kind == PairKind::PointEdge ? 3 : 4;
-}
-
-/// Candidates, numbered through as vertex-triangle, edge-edge, vertex-plane.
-struct CandidateView {
-    CollisionMeshView mesh;
-    View<const Int2> vertex_triangle;
-    View<const Int2> edge_edge;
-    View<const Int2> vertex_plane;
-
-    [[nodiscard]] NOLI_HD int size() const {
-        return vertex_triangle.size + edge_edge.size + vertex_plane.size;
-    }
-    [[nodiscard]] NOLI_HD bool is_vertex_triangle(int i) const {
-        return i < vertex_triangle.size;
-    }
-    [[nodiscard]] NOLI_HD bool is_plane(int i) const {
-        return i >= vertex_triangle.size + edge_edge.size;
-    }
-    [[nodiscard]] NOLI_HD Int2 ids(int i) const {
-        if (i < vertex_triangle.size) return vertex_triangle[i];
-        i -= vertex_triangle.size;
-        return i < edge_edge.size ? edge_edge[i] : vertex_plane[i - edge_edge.size];
-    }
-    /// Vertex and triangle; both edges; vertex, plane index, -1, -1.
-    [[nodiscard]] NOLI_HD Int4 vertices(int i) const {
-        const Int2 pair = ids(i);
-        if (is_plane(i)) return {{pair[0], pair[1], -1, -1}};
-        if (is_vertex_triangle(i)) {
-            const Int3& t = mesh.triangles[pair[1]];
-            return {{pair[0], t[0], t[1], t[2]}};
-        }
-        const Int2& a = mesh.edges[pair[0]];
-        const Int2& b = mesh.edges[pair[1]];
-        return {{a[0], a[1], b[0], b[1]}};
-    }
-    [[nodiscard]] NOLI_HD double eps_cross(int i) const {
-        const Int2 pair = ids(i);
-        return 1e-3 * mesh.edge_rest_sq[pair[0]] * mesh.edge_rest_sq[pair[1]];
-    }
-};
-
-template <class Exec>
-CandidateView view_of(const DeviceCollisionMesh<Exec>& mesh,
-                      const Candidates<Exec>& candidates) {
-    return {mesh.view(),
-            candidates.vertex_triangle.view(),
-            candidates.edge_edge.view(),
-            candidates.vertex_plane.view()};
-}
-
-NOLI_HD inline Stencil<4> stencil_at(View<const Vec3d> x, const Int4& v) {
-    return {{x[v[0]], x[v[1]], x[v[2]], x[v[3]]}};
-}
-
-/// List and closest features of candidate i at positions x; list None if it is not closer
-/// than dhat.
-NOLI_HD inline std::uint16_t classify_candidate(const CandidateView& candidates,
-                                                View<const Vec3d> x,
-                                                double dhat,
-                                                int i) {
-    const Int4 v = candidates.vertices(i);
-    constexpr ClosestFeature kNothing{PairKind::PointPoint, {-1, -1, -1, -1}, 0.0};
-    if (candidates.is_plane(i)) {
-        const bool active = plane_distance(candidates.mesh.planes[v[1]], x[v[0]]) < dhat;
-        return encode(active ? PairList::Plane : PairList::None, kNothing);
-    }
-    const Stencil<4> s = stencil_at(x, v);
-    const bool vertex_triangle = candidates.is_vertex_triangle(i);
-    const ClosestFeature f =
-        vertex_triangle ? classify_point_triangle(s) : classify_edge_edge(s);
-    if (!(std::sqrt(f.d_sq) < dhat)) return encode(PairList::None, kNothing);
-    if (!vertex_triangle && edge_cross_sq(s) < candidates.eps_cross(i))
-        return encode(PairList::Mollified, f);
-    return encode(static_cast<PairList>(f.kind), f);
-}
 
 /// Writable lists of a PairSet.
 struct PairSetView {
@@ -198,6 +95,7 @@ NOLI_HD inline void write_pair(const CandidateView& candidates,
             out.mollified[at] = pair;
             break;
         }
+        case PairList::Undecided:
         case PairList::None:
             break;
     }
@@ -205,7 +103,7 @@ NOLI_HD inline void write_pair(const CandidateView& candidates,
 
 inline constexpr int kPairChunk = 64;
 
-template <class Exec>
+template <Doubles How, class Exec>
 void classify_candidates(Exec& exec,
                          CandidateView candidates,
                          View<const Vec3d> x,
@@ -214,7 +112,9 @@ void classify_candidates(Exec& exec,
     exec.for_each(
         "contact/classify_candidates",
         codes.size,
-        [=] NOLI_HD(int i) { codes[i] = classify_candidate(candidates, x, dhat, i); },
+        [=] NOLI_HD(int i) {
+            codes[i] = evaluate<How>(CandidateCode<How>{candidates, x, dhat, i});
+        },
         32);
 }
 
@@ -225,22 +125,22 @@ void count_lists(Exec& exec,
                  int num_chunks,
                  View<int> counts) {
     exec.for_each("contact/count_lists", num_chunks, [=] NOLI_HD(int c) {
-        int count[kNumPairLists + 2] = {};
+        int count[kNumCounts + 1] = {};
         for (int i = c * kPairChunk; i < (c + 1) * kPairChunk && i < codes.size; ++i)
             ++count[static_cast<int>(list_of(codes[i]))];
-        for (int list = 0; list < kNumPairLists; ++list)
+        for (int list = 0; list < kNumCounts; ++list)
             counts[list * num_chunks + c] = count[list];
     });
 }
 
-/// First place of each list in the scan over all lists; one more for the end.
+/// First place of each list in the scan over all counts; one more for the end.
 template <class Exec>
-std::array<Later, kNumPairLists + 1> list_starts(Exec& exec,
-                                                 View<const int> offsets,
-                                                 int num_chunks) {
-    return exec.template numbers_later<kNumPairLists + 1>(
+std::array<Later, kNumCounts + 1> list_starts(Exec& exec,
+                                              View<const int> offsets,
+                                              int num_chunks) {
+    return exec.template numbers_later<kNumCounts + 1>(
         "contact/list_starts", [=] NOLI_HD(double* to) {
-            for (int list = 0; list <= kNumPairLists; ++list)
+            for (int list = 0; list <= kNumCounts; ++list)
                 to[list] = offsets[list * num_chunks];
         });
 }
@@ -274,6 +174,66 @@ struct FindPairsWork {
     typename Exec::template Buffer<int> offsets;
 };
 
+namespace detail {
+
+inline int num_pair_chunks(const CandidateView& candidates) {
+    return (candidates.size() + kPairChunk - 1) / kPairChunk;
+}
+
+/// How many candidates are in which list, and whether doubles sufficed to tell.
+struct ListSizes {
+    std::array<int, kNumCounts> sizes;
+    Doubles doubles;
+
+    int operator[](PairList list) const { return sizes[static_cast<std::size_t>(list)]; }
+};
+
+/// Classifies all candidates and places them in their lists.
+template <Doubles How, class Exec>
+ListSizes sort_candidates(Exec& exec,
+                          const CandidateView& candidates,
+                          View<const Vec3d> x,
+                          double dhat,
+                          FindPairsWork<Exec>& work) {
+    const int num_chunks = num_pair_chunks(candidates);
+    work.codes.resize(candidates.size());
+    work.counts.resize(kNumCounts * num_chunks);
+    work.offsets.resize(kNumCounts * num_chunks + 1);
+    classify_candidates<How>(exec, candidates, x, dhat, work.codes.view());
+    count_lists(exec,
+                View<const std::uint16_t>(work.codes.view()),
+                num_chunks,
+                work.counts.view());
+    exec.scan_then("contact/scan_lists",
+                   View<const int>(work.counts.view()),
+                   work.offsets.view(),
+                   nullptr);
+    const auto starts =
+        list_starts(exec, View<const int>(work.offsets.view()), num_chunks);
+    ListSizes out{{}, How};
+    for (std::size_t k = 0; k < out.sizes.size(); ++k)
+        out.sizes[k] =
+            static_cast<int>(exec.value(starts[k + 1]) - exec.value(starts[k]));
+    return out;
+}
+
+/// The same, with none undecided.
+template <class Exec>
+ListSizes sort_all_candidates(Exec& exec,
+                              const CandidateView& candidates,
+                              View<const Vec3d> x,
+                              double dhat,
+                              FindPairsWork<Exec>& work) {
+    if constexpr (Exec::kIsDevice) {
+        const ListSizes out =
+            sort_candidates<Doubles::Only>(exec, candidates, x, dhat, work);
+        if (out[PairList::Undecided] == 0) return out;
+    }
+    return sort_candidates<Doubles::First>(exec, candidates, x, dhat, work);
+}
+
+}  // namespace detail
+
 /// The candidates that are closer than dhat (m) at positions x, by kind. An edge-edge
 /// candidate with |u x v|^2 < eps_cross is mollified whatever its closest features.
 template <class Exec>
@@ -285,34 +245,20 @@ void find_pairs(Exec& exec,
                 FindPairsWork<Exec>& work,
                 PairSet<Exec>& out) {
     const detail::CandidateView view = detail::view_of(mesh, candidates);
-    const int num_chunks = (view.size() + detail::kPairChunk - 1) / detail::kPairChunk;
-    work.codes.resize(view.size());
-    work.counts.resize(detail::kNumPairLists * num_chunks);
-    work.offsets.resize(detail::kNumPairLists * num_chunks + 1);
-    const View<const std::uint16_t> codes = work.codes.view();
-    const View<const int> offsets = work.offsets.view();
-    detail::classify_candidates(exec, view, x, dhat, work.codes.view());
-    detail::count_lists(exec, codes, num_chunks, work.counts.view());
-    exec.scan_then("contact/scan_lists",
-                   View<const int>(work.counts.view()),
-                   work.offsets.view(),
-                   nullptr);
-    const auto starts = detail::list_starts(exec, offsets, num_chunks);
-    const auto size_of = [&](detail::PairList list) {
-        const std::size_t k = static_cast<std::size_t>(list);
-        return static_cast<int>(exec.value(starts[k + 1]) - exec.value(starts[k]));
-    };
-    out.pp.resize(size_of(detail::PairList::PP));
-    out.pe.resize(size_of(detail::PairList::PE));
-    out.pt.resize(size_of(detail::PairList::PT));
-    out.ee.resize(size_of(detail::PairList::EE));
-    out.mollified.resize(size_of(detail::PairList::Mollified));
-    out.planes.resize(size_of(detail::PairList::Plane));
+    const auto sizes = detail::sort_all_candidates(exec, view, x, dhat, work);
+    using List = detail::PairList;
+    out.pp.resize(sizes[List::PP]);
+    out.pe.resize(sizes[List::PE]);
+    out.pt.resize(sizes[List::PT]);
+    out.ee.resize(sizes[List::EE]);
+    out.mollified.resize(sizes[List::Mollified]);
+    out.planes.resize(sizes[List::Plane]);
+    out.doubles = sizes.doubles;
     detail::write_pairs(exec,
                         view,
-                        codes,
-                        offsets,
-                        num_chunks,
+                        View<const std::uint16_t>(work.codes.view()),
+                        View<const int>(work.offsets.view()),
+                        detail::num_pair_chunks(view),
                         {out.pp.view(),
                          out.pe.view(),
                          out.pt.view(),

@@ -81,8 +81,8 @@ struct CandidateMotion {
         return vertex_triangle.size + edge_edge.size;
     }
     /// Of candidate i, which is from List.
-    template <StepBound::Limit List>
-    [[nodiscard]] NOLI_HD Advance advance(int i, double t_max) const {
+    template <StepBound::Limit List, class Stage>
+    [[nodiscard]] NOLI_HD Advance advance(int i, double t_max, Stage& stage) const {
         const Int4 v = vertices_of(i);
         if constexpr (List == StepBound::Limit::Plane) {
             const CollisionMesh::Plane& plane = mesh.planes[v[1]];
@@ -94,13 +94,29 @@ struct CandidateMotion {
         const Stencil<4> from{{x[v[0]], x[v[1]], x[v[2]], x[v[3]]}};
         const Stencil<4> along{{p[v[0]], p[v[1]], p[v[2]], p[v[3]]}};
         if constexpr (List == StepBound::Limit::VertexTriangle)
-            return advance_point_triangle(from, along, t_max, params);
-        return advance_edge_edge(from, along, t_max, params);
+            return advance_point_triangle(from, along, t_max, params, stage);
+        return advance_edge_edge(from, along, t_max, params, stage);
+    }
+};
+
+/// Advances candidate i from List.
+template <StepBound::Limit List>
+struct CandidateAdvance {
+    static constexpr Advance kUndecided{-1.0, 0, false, AdvanceEnd::Undecided};
+    CandidateMotion motion;
+    View<Advance> advances;
+    int i;
+    double t_max;
+
+    template <class Stage>
+    NOLI_HD void operator()(Stage& stage) const {
+        const Advance advance = motion.advance<List>(i, t_max, stage);
+        advances[i] = stage.enough() ? advance : kUndecided;
     }
 };
 
 /// Bound of an advance that did not get to the end of the motion; infinite for one that
-/// did.
+/// did, negative for one that is undecided.
 NOLI_HD inline double limit_of(const Advance& advance) {
     return advance.reason == AdvanceEnd::Free ? INFINITY : advance.t;
 }
@@ -126,7 +142,7 @@ struct MotionEnd {
 
 /// The candidates of a sample that are in [begin, end) and from List. Where nothing is
 /// left of the motion, nothing more can limit it.
-template <StepBound::Limit List, class Exec>
+template <StepBound::Limit List, Doubles How, class Exec>
 void advance_list(Exec& exec,
                   CandidateMotion motion,
                   Sample sample,
@@ -143,15 +159,17 @@ void advance_list(Exec& exec,
             const int i = (first + k) * sample.stride;
             if (sample.done_stride != 0 && i % sample.done_stride == 0) return;
             const double t_max = motion_end.now();
-            advances[i] = t_max > 0.0 ? motion.template advance<List>(i, t_max)
-                                      : Advance{t_max, 0, false, AdvanceEnd::Free};
+            if (t_max > 0.0)
+                evaluate<How>(CandidateAdvance<List>{motion, advances, i, t_max});
+            else
+                advances[i] = {t_max, 0, false, AdvanceEnd::Free};
         },
         16);
 }
 
 /// Advances the candidates of a sample, one loop per list: on a GPU a matter of
 /// registers. The number is the smallest bound so far, infinite without one.
-template <class Exec>
+template <Doubles How, class Exec>
 Later advance_sample(Exec& exec,
                      CandidateMotion motion,
                      Sample sample,
@@ -160,9 +178,12 @@ Later advance_sample(Exec& exec,
     using List = StepBound::Limit;
     const int edge_edge = motion.begin_of(List::EdgeEdge);
     const int plane = motion.begin_of(List::Plane);
-    advance_list<List::VertexTriangle>(exec, motion, sample, 0, edge_edge, end, advances);
-    advance_list<List::EdgeEdge>(exec, motion, sample, edge_edge, plane, end, advances);
-    advance_list<List::Plane>(exec, motion, sample, plane, motion.size(), end, advances);
+    advance_list<List::VertexTriangle, How>(
+        exec, motion, sample, 0, edge_edge, end, advances);
+    advance_list<List::EdgeEdge, How>(
+        exec, motion, sample, edge_edge, plane, end, advances);
+    advance_list<List::Plane, How>(
+        exec, motion, sample, plane, motion.size(), end, advances);
     const int n = (motion.size() + sample.stride - 1) / sample.stride;
     return exec.min_later("contact/smallest_bound", n, [=] NOLI_HD(int k) {
         return limit_of(advances[k * sample.stride]);
@@ -206,8 +227,8 @@ std::array<Later, 6> limiting_candidate(Exec& exec,
     });
 }
 
-/// The step bound of at least one candidate.
-template <class Exec>
+/// The step bound of at least one candidate. alpha is negative if one is undecided.
+template <Doubles How, class Exec>
 StepBound bound_of_candidates(Exec& exec,
                               const CandidateMotion& motion,
                               double alpha_max,
@@ -218,7 +239,7 @@ StepBound bound_of_candidates(Exec& exec,
     Later limit;
     int done_stride = 0;
     for (const int stride : {64, 8, 1}) {
-        limit = advance_sample(exec, motion, {stride, done_stride}, end, advances);
+        limit = advance_sample<How>(exec, motion, {stride, done_stride}, end, advances);
         end.limit = exec.place(limit);
         done_stride = stride;
     }
@@ -235,6 +256,20 @@ StepBound bound_of_candidates(Exec& exec,
     out.capped = exec.value(name[4]) != 0.0;
     out.reason = static_cast<AdvanceEnd>(static_cast<int>(exec.value(name[5])));
     return out;
+}
+
+/// The same, decided.
+template <class Exec>
+StepBound bound_of_candidates(Exec& exec,
+                              const CandidateMotion& motion,
+                              double alpha_max,
+                              StepBoundWork<Exec>& work) {
+    if constexpr (Exec::kIsDevice) {
+        const StepBound out =
+            bound_of_candidates<Doubles::Only>(exec, motion, alpha_max, work);
+        if (!(out.alpha < 0.0)) return out;
+    }
+    return bound_of_candidates<Doubles::First>(exec, motion, alpha_max, work);
 }
 
 }  // namespace detail

@@ -34,16 +34,18 @@ struct ContactFrame {
 };
 
 /// Distance, normal and weights of a pair.
-template <int S>
-NOLI_HD inline PairGeometry<S> pair_geometry(PairKind kind, const Stencil<S>& x) {
+template <int S, class Stage = Exactly>
+NOLI_HD inline PairGeometry<S> pair_geometry(PairKind kind,
+                                             const Stencil<S>& x,
+                                             Stage&& stage = {}) {
     static_assert(S >= 2 && S <= 4);
     if constexpr (S == 2) {
         return point_point_geometry(x);
     } else if constexpr (S == 3) {
-        return point_edge_geometry(x);
+        return point_edge_geometry(x, stage);
     } else {
-        return kind == PairKind::EdgeEdge ? edge_edge_geometry(x)
-                                          : point_triangle_geometry(x);
+        return kind == PairKind::EdgeEdge ? edge_edge_geometry(x, stage)
+                                          : point_triangle_geometry(x, stage);
     }
 }
 
@@ -141,9 +143,11 @@ NOLI_HD inline void whiten_tangents(PairKind kind,
 /// In:      kind  the pair's class; must fit S (S == 4: PointTriangle or EdgeEdge)
 ///          x     points, in the order of MATH 2.1; closest points inside the class
 /// Valid:   d > 0
-template <int S>
-NOLI_HD inline ContactFrame<S> contact_frame(PairKind kind, const Stencil<S>& x) {
-    const PairGeometry<S> pair = pair_geometry(kind, x);
+template <int S, class Stage = Exactly>
+NOLI_HD inline ContactFrame<S> contact_frame(PairKind kind,
+                                             const Stencil<S>& x,
+                                             Stage&& stage = {}) {
+    const PairGeometry<S> pair = pair_geometry(kind, x, stage);
     ContactFrame<S> f{};
     f.d = pair.d;
     f.n = pair.n;

@@ -51,21 +51,23 @@ NOLI_HD constexpr int max_rank(PairKind kind, ContactHessian model) {
 }
 
 /// kappa b(d^2), J. Infinite at d = 0.
-template <int S>
+template <int S, class Stage = Exactly>
 NOLI_HD inline double pair_energy(PairKind kind,
                                   const Stencil<S>& x,
-                                  const BarrierParams& params) {
-    const double d = pair_geometry(kind, x).d;
+                                  const BarrierParams& params,
+                                  Stage&& stage = {}) {
+    const double d = pair_geometry(kind, x, stage).d;
     return params.kappa
          * barrier(params.exponent, d * d, params.dhat * params.dhat).value;
 }
 
 /// dE/dx_i = kappa b_d w_i n, N. Source: MATH 2.1.
-template <int S>
+template <int S, class Stage = Exactly>
 NOLI_HD inline StencilGradient<S> pair_gradient(PairKind kind,
                                                 const Stencil<S>& x,
-                                                const BarrierParams& params) {
-    const PairGeometry<S> pair = pair_geometry(kind, x);
+                                                const BarrierParams& params,
+                                                Stage&& stage = {}) {
+    const PairGeometry<S> pair = pair_geometry(kind, x, stage);
     const double slope =
         params.kappa * barrier_slope(params.exponent, pair.d, params.dhat);
     StencilGradient<S> out;
@@ -248,19 +250,20 @@ NOLI_HD inline void append_exact_modes(PairKind kind,
 ///          others jump there, as hess d does
 /// Numeric is not among these: numeric_pair_hessian(), whose 12 x 12 matrices no GPU
 /// kernel of the others should carry.
-template <int S>
+template <int S, class Stage = Exactly>
 NOLI_HD inline StencilModes<S, kPairModes<S>> pair_hessian(ContactHessian model,
                                                            PairKind kind,
                                                            const Stencil<S>& x,
-                                                           const BarrierParams& params) {
+                                                           const BarrierParams& params,
+                                                           Stage&& stage = {}) {
     NOLI_DCHECK(model != ContactHessian::Numeric);
     StencilModes<S, kPairModes<S>> out{};
     if (model == ContactHessian::GaussNewton) {
-        const PairGeometry<S> pair = pair_geometry(kind, x);
+        const PairGeometry<S> pair = pair_geometry(kind, x, stage);
         detail::append_gauss_newton_mode<S>(pair.d, pair.n, pair.w, params, out);
         return out;
     }
-    const ContactFrame<S> frame = contact_frame(kind, x);
+    const ContactFrame<S> frame = contact_frame(kind, x, stage);
     if (!(frame.d < params.dhat)) return out;
     if (model == ContactHessian::Exact) {
         detail::append_exact_modes(kind, frame, params, out);

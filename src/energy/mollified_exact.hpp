@@ -52,6 +52,8 @@ NOLI_HD inline void add_symmetric(double (&H)[9][9],
                                   double coefficient,
                                   const ContrastVector& a,
                                   const ContrastVector& b) {
+    // H in registers would take 162 of them.
+    NOLI_ROLLED
     for (int i = 0; i < 9; ++i)
         for (int j = 0; j < 9; ++j)
             H[i][j] += 0.5 * coefficient * (a.z[i] * b.z[j] + b.z[i] * a.z[j]);

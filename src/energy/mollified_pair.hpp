@@ -46,13 +46,14 @@ NOLI_HD constexpr int max_rank(MollifiedHessian model) {
 namespace detail {
 
 /// Copies a sub-case's frame to the four edge vertices, zero weights elsewhere.
-template <int S>
+template <int S, class Stage>
 NOLI_HD inline ContactFrame<4> embed_frame(const MollifiedCase& sub,
-                                           const Stencil<4>& x) {
+                                           const Stencil<4>& x,
+                                           Stage& stage) {
     Stencil<S> points;
     for (int j = 0; j < S; ++j)
         points.x[j] = x.x[sub.local[j]];
-    const ContactFrame<S> from = contact_frame(sub.kind, points);
+    const ContactFrame<S> from = contact_frame(sub.kind, points, stage);
     ContactFrame<4> to{};
     to.d = from.d;
     to.n = from.n;
@@ -67,13 +68,14 @@ NOLI_HD inline ContactFrame<4> embed_frame(const MollifiedCase& sub,
     return to;
 }
 
-template <int S>
+template <int S, class Stage>
 NOLI_HD inline PairGeometry<4> embed_geometry(const MollifiedCase& sub,
-                                              const Stencil<4>& x) {
+                                              const Stencil<4>& x,
+                                              Stage& stage) {
     Stencil<S> points;
     for (int j = 0; j < S; ++j)
         points.x[j] = x.x[sub.local[j]];
-    const PairGeometry<S> from = pair_geometry(sub.kind, points);
+    const PairGeometry<S> from = pair_geometry(sub.kind, points, stage);
     PairGeometry<4> to{};
     to.d = from.d;
     to.n = from.n;
@@ -87,21 +89,25 @@ NOLI_HD inline bool inside_band(double d, const BarrierParams& params) {
     return d > 0.0 && d < params.dhat;
 }
 
+template <class Stage>
 NOLI_HD inline ContactFrame<4> mollified_frame(const MollifiedCase& sub,
-                                               const Stencil<4>& x) {
-    if (sub.kind == PairKind::PointPoint) return embed_frame<2>(sub, x);
-    if (sub.kind == PairKind::PointEdge) return embed_frame<3>(sub, x);
-    return embed_frame<4>(sub, x);
+                                               const Stencil<4>& x,
+                                               Stage& stage) {
+    if (sub.kind == PairKind::PointPoint) return embed_frame<2>(sub, x, stage);
+    if (sub.kind == PairKind::PointEdge) return embed_frame<3>(sub, x, stage);
+    return embed_frame<4>(sub, x, stage);
 }
 
 }  // namespace detail
 
 /// Distance, normal and weights of the sub-case on the four edge vertices.
+template <class Stage = Exactly>
 NOLI_HD inline PairGeometry<4> mollified_geometry(const MollifiedCase& sub,
-                                                  const Stencil<4>& x) {
-    if (sub.kind == PairKind::PointPoint) return detail::embed_geometry<2>(sub, x);
-    if (sub.kind == PairKind::PointEdge) return detail::embed_geometry<3>(sub, x);
-    return detail::embed_geometry<4>(sub, x);
+                                                  const Stencil<4>& x,
+                                                  Stage&& stage = {}) {
+    if (sub.kind == PairKind::PointPoint) return detail::embed_geometry<2>(sub, x, stage);
+    if (sub.kind == PairKind::PointEdge) return detail::embed_geometry<3>(sub, x, stage);
+    return detail::embed_geometry<4>(sub, x, stage);
 }
 
 /// kappa m(gamma) b(d^2), J.
@@ -111,11 +117,13 @@ NOLI_HD inline PairGeometry<4> mollified_geometry(const MollifiedCase& sub,
 ///          x          a0, a1, b0, b1, m
 ///          eps_cross  threshold of the rest edges (edge_edge_threshold), m^4
 /// Smooth:  C1 at gamma == eps_cross; zero for exactly parallel edges; infinite at d = 0
+template <class Stage = Exactly>
 NOLI_HD inline double mollified_energy(const MollifiedCase& sub,
                                        const Stencil<4>& x,
                                        double eps_cross,
-                                       const BarrierParams& params) {
-    const double d = mollified_geometry(sub, x).d;
+                                       const BarrierParams& params,
+                                       Stage&& stage = {}) {
+    const double d = mollified_geometry(sub, x, stage).d;
     if (!(d > 0.0)) return HUGE_VAL;
     return params.kappa * mollifier(edge_cross_sq(x), eps_cross).value
          * barrier(params.exponent, d * d, params.dhat * params.dhat).value;
@@ -123,11 +131,13 @@ NOLI_HD inline double mollified_energy(const MollifiedCase& sub,
 
 /// kappa (m' b grad gamma + m b_d grad d), N; grad gamma = 2 K^T k needs no division by
 /// c. Source: MATH 3.4.
+template <class Stage = Exactly>
 NOLI_HD inline StencilGradient<4> mollified_gradient(const MollifiedCase& sub,
                                                      const Stencil<4>& x,
                                                      double eps_cross,
-                                                     const BarrierParams& params) {
-    const PairGeometry<4> pair = mollified_geometry(sub, x);
+                                                     const BarrierParams& params,
+                                                     Stage&& stage = {}) {
+    const PairGeometry<4> pair = mollified_geometry(sub, x, stage);
     if (!detail::inside_band(pair.d, params)) return {};
     const Vec3d u = x.x[1] - x.x[0];
     const Vec3d v = x.x[3] - x.x[2];
@@ -162,14 +172,15 @@ NOLI_HD inline Vec3d scaled_unit(const Vec3d& k) {
 /// The closed-form models, TwoMode or FourMode. Exactly parallel edges (c = 0) have no
 /// direction k / c: FourMode's sum does not depend on it there (any unit vector gives 2
 /// b_gamma K^T K), TwoMode's does, so the authors' model has no modes there.
-template <MollifiedHessian Model>
+template <MollifiedHessian Model, class Stage>
 NOLI_HD inline StencilModes<4, max_rank(Model)> closed_form_modes(
     const MollifiedCase& sub,
     const Stencil<4>& x,
     double eps_cross,
-    const BarrierParams& params) {
+    const BarrierParams& params,
+    Stage& stage) {
     StencilModes<4, max_rank(Model)> out{};
-    const PairGeometry<4> pair = mollified_geometry(sub, x);
+    const PairGeometry<4> pair = mollified_geometry(sub, x, stage);
     if (!detail::inside_band(pair.d, params)) return out;
     const Vec3d u = x.x[1] - x.x[0];
     const Vec3d v = x.x[3] - x.x[2];
@@ -216,13 +227,15 @@ NOLI_HD inline StencilModes<4, max_rank(Model)> closed_form_modes(
 }
 
 /// The numeric projection of the exact Hessian.
+template <class Stage>
 NOLI_HD inline StencilModes<4, max_rank(MollifiedHessian::Exact)> projected_modes(
     const MollifiedCase& sub,
     const Stencil<4>& x,
     double eps_cross,
-    const BarrierParams& params) {
+    const BarrierParams& params,
+    Stage& stage) {
     StencilModes<4, max_rank(MollifiedHessian::Exact)> out{};
-    const ContactFrame<4> frame = mollified_frame(sub, x);
+    const ContactFrame<4> frame = mollified_frame(sub, x, stage);
     if (!inside_band(frame.d, params)) return out;
     double H[9][9];
     mollified_exact_hessian(
@@ -260,16 +273,17 @@ NOLI_HD inline StencilModes<4, kMollifiedModes> widened(const StencilModes<4, R>
 /// In:      as mollified_energy
 /// Out:     at most max_rank(Model) modes
 /// Valid:   d > 0; finite for exactly parallel edges
-template <MollifiedHessian Model>
+template <MollifiedHessian Model, class Stage = Exactly>
 NOLI_HD inline StencilModes<4, max_rank(Model)> mollified_modes(
     const MollifiedCase& sub,
     const Stencil<4>& x,
     double eps_cross,
-    const BarrierParams& params) {
+    const BarrierParams& params,
+    Stage&& stage = {}) {
     if constexpr (Model == MollifiedHessian::Exact)
-        return detail::projected_modes(sub, x, eps_cross, params);
+        return detail::projected_modes(sub, x, eps_cross, params, stage);
     else
-        return detail::closed_form_modes<Model>(sub, x, eps_cross, params);
+        return detail::closed_form_modes<Model>(sub, x, eps_cross, params, stage);
 }
 
 /// The same for a model that is chosen at run time.

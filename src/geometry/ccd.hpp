@@ -43,6 +43,7 @@ enum class AdvanceEnd : std::uint8_t {
     InitiallyClosed,  ///< t == 0: the initial distance does not exceed min_separation
     BelowRounding,  ///< t == 0: the gap is no larger than the rounding of the coordinates
     NotFinite,      ///< t == 0: a NaN or infinity in the input
+    Undecided,      ///< nothing is known: doubles did not suffice (geometry/stages.hpp)
 };
 
 struct Advance {
@@ -135,12 +136,12 @@ NOLI_HD inline double box_distance(const Stencil<4>& x, int first) {
     return std::sqrt(distance_sq(a, b));
 }
 
-template <PairKind Parent>
-NOLI_HD inline ClosestFeature classify(const Stencil<4>& s) {
+template <PairKind Parent, class Stage>
+NOLI_HD inline ClosestFeature classify(const Stencil<4>& s, Stage& stage) {
     if constexpr (Parent == PairKind::PointTriangle)
-        return classify_point_triangle(s);
+        return classify_point_triangle(s, stage);
     else
-        return classify_edge_edge(s);
+        return classify_edge_edge(s, stage);
 }
 
 /// Decides when going on is not worth it: the usable gap is all but gone and steps have
@@ -163,11 +164,12 @@ struct Arrival {
 /// Distances are good to 3e-10 relative; leave this much room for that.
 inline constexpr double kDistanceTolerance = 4e-10;
 
-template <PairKind Parent>
+template <PairKind Parent, class Stage>
 NOLI_HD inline Advance advance_by_normals(const Stencil<4>& x,
                                           const RelativeMotion& motion,
                                           double t_max,
-                                          const AdvanceParams& params) {
+                                          const AdvanceParams& params,
+                                          Stage& stage) {
     constexpr int kFirst = Parent == PairKind::PointTriangle ? 1 : 2;
     double t = 0.0;
     double target_t0 = 0.0;
@@ -175,7 +177,9 @@ NOLI_HD inline Advance advance_by_normals(const Stencil<4>& x,
     Arrival arrival;
     for (int k = 1; k <= params.max_iterations; ++k) {
         const Stencil<4> y = moved(x, motion.p, t);
-        const ClosestFeature f = classify<Parent>(y);
+        const ClosestFeature f = classify<Parent>(y, stage);
+        const Vec3d n = feature_normal(y, f, stage);
+        if (!stage.enough()) break;
         const double d = std::sqrt(f.d_sq);
         if (k == 1) {
             const double gap = d - params.min_separation;
@@ -185,7 +189,7 @@ NOLI_HD inline Advance advance_by_normals(const Stencil<4>& x,
         }
         const double target = target_t0 + t * motion.p_rounding;
         const double left = d * (1.0 - kDistanceTolerance) - target;
-        double step = directional_step(y, motion, kFirst, feature_normal(y, f), target);
+        double step = directional_step(y, motion, kFirst, n, target);
         if (!(step > 0.0))
             step = left / motion.closing_speed;  // a normal spoilt by rounding
         if (!(step > 0.0))
@@ -199,11 +203,12 @@ NOLI_HD inline Advance advance_by_normals(const Stencil<4>& x,
     return {t, params.max_iterations, true, AdvanceEnd::IterationCap};
 }
 
-template <PairKind Parent>
+template <PairKind Parent, class Stage>
 NOLI_HD inline Advance advance(const Stencil<4>& x,
                                const Stencil<4>& p,
                                double t_max,
-                               const AdvanceParams& params) {
+                               const AdvanceParams& params,
+                               Stage& stage) {
     constexpr int kFirst = Parent == PairKind::PointTriangle ? 1 : 2;
     if (!is_finite(x) || !is_finite(p)) return {0.0, 0, false, AdvanceEnd::NotFinite};
     const RelativeMotion motion = relative_motion(x, p, kFirst);
@@ -211,27 +216,31 @@ NOLI_HD inline Advance advance(const Stencil<4>& x,
     const double approach = t_max * motion.closing_speed + motion.x_rounding;
     if (far_gap > 0.0 && approach <= params.slack * far_gap * (1.0 - kDistanceTolerance))
         return {t_max, 0, false, AdvanceEnd::Free};
-    return advance_by_normals<Parent>(x, motion, t_max, params);
+    return advance_by_normals<Parent>(x, motion, t_max, params, stage);
 }
 
 }  // namespace detail
 
 /// Point p against triangle a b c (order p, a, b, c), moving by t * p over t in [0,
 /// t_max], t_max > 0. A point against an edge or a point: repeat the last point.
+template <class Stage = Exactly>
 NOLI_HD inline Advance advance_point_triangle(const Stencil<4>& x,
                                               const Stencil<4>& p,
                                               double t_max,
-                                              const AdvanceParams& params) {
-    return detail::advance<PairKind::PointTriangle>(x, p, t_max, params);
+                                              const AdvanceParams& params,
+                                              Stage&& stage = {}) {
+    return detail::advance<PairKind::PointTriangle>(x, p, t_max, params, stage);
 }
 
 /// Edge a0 a1 against edge b0 b1 (order a0, a1, b0, b1); the rest as in
 /// advance_point_triangle.
+template <class Stage = Exactly>
 NOLI_HD inline Advance advance_edge_edge(const Stencil<4>& x,
                                          const Stencil<4>& p,
                                          double t_max,
-                                         const AdvanceParams& params) {
-    return detail::advance<PairKind::EdgeEdge>(x, p, t_max, params);
+                                         const AdvanceParams& params,
+                                         Stage&& stage = {}) {
+    return detail::advance<PairKind::EdgeEdge>(x, p, t_max, params, stage);
 }
 
 /// Point p against edge a b (order p, a, b); otherwise as advance_point_triangle.

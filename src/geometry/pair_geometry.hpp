@@ -51,12 +51,14 @@ NOLI_HD inline PairGeometry<2> point_point_geometry(const Stencil<2>& s) {
 }
 
 /// Point p against the line through a, b (order p, a, b). Smooth where d > 0.
-NOLI_HD inline PairGeometry<3> point_edge_geometry(const Stencil<3>& s) {
+template <class Stage = Exactly>
+NOLI_HD inline PairGeometry<3> point_edge_geometry(const Stencil<3>& s,
+                                                   Stage&& stage = {}) {
     const Vec3d& p = s.x[0];
     const Vec3d& a = s.x[1];
     const Vec3d& b = s.x[2];
     const Vec3d e = b - a;
-    const Vec3d N = cross_of_edges(a, p, a, b);
+    const Vec3d N = cross_of_edges(a, p, a, b, stage);
     const double tau = detail::ratio_or_zero(dot(p - a, e), norm_sq(e));
     return {detail::ratio_or_zero(norm(N), norm(e)),
             detail::unit_or_zero(cross(e, N)),
@@ -64,16 +66,20 @@ NOLI_HD inline PairGeometry<3> point_edge_geometry(const Stencil<3>& s) {
 }
 
 /// Point p against the plane of a, b, c (order p, a, b, c). Smooth where d > 0.
-NOLI_HD inline PairGeometry<4> point_triangle_geometry(const Stencil<4>& s) {
+template <class Stage = Exactly>
+NOLI_HD inline PairGeometry<4> point_triangle_geometry(const Stencil<4>& s,
+                                                       Stage&& stage = {}) {
     const Vec3d& p = s.x[0];
     const Vec3d& a = s.x[1];
     const Vec3d& b = s.x[2];
     const Vec3d& c = s.x[3];
-    const Vec3d N = cross_of_edges(a, b, a, c);
+    const Vec3d N = cross_of_edges(a, b, a, c, stage);
     const double n_sq = norm_sq(N);
-    const double volume = orient3d_value(a, b, c, p);
-    const double beta1 = detail::ratio_or_zero(dot(cross_of_edges(a, p, a, c), N), n_sq);
-    const double beta2 = detail::ratio_or_zero(dot(cross_of_edges(a, b, a, p), N), n_sq);
+    const double volume = orient3d_value(a, b, c, p, stage);
+    const double beta1 =
+        detail::ratio_or_zero(dot(cross_of_edges(a, p, a, c, stage), N), n_sq);
+    const double beta2 =
+        detail::ratio_or_zero(dot(cross_of_edges(a, b, a, p, stage), N), n_sq);
     return {detail::ratio_or_zero(std::fabs(volume), std::sqrt(n_sq)),
             double(detail::sign_of(volume)) * detail::unit_or_zero(N),
             {1.0, -(1.0 - beta1 - beta2), -beta1, -beta2}};
@@ -82,18 +88,20 @@ NOLI_HD inline PairGeometry<4> point_triangle_geometry(const Stencil<4>& s) {
 /// Line a0 a1 against line b0 b1 (order a0, a1, b0, b1). Smooth where d > 0 and the lines
 /// are not parallel; for exactly parallel lines n and d are 0 (such pairs classify as
 /// point-edge).
-NOLI_HD inline PairGeometry<4> edge_edge_geometry(const Stencil<4>& s) {
+template <class Stage = Exactly>
+NOLI_HD inline PairGeometry<4> edge_edge_geometry(const Stencil<4>& s,
+                                                  Stage&& stage = {}) {
     const Vec3d& a0 = s.x[0];
     const Vec3d& a1 = s.x[1];
     const Vec3d& b0 = s.x[2];
     const Vec3d& b1 = s.x[3];
-    const Vec3d N = cross_of_edges(a0, a1, b0, b1);
+    const Vec3d N = cross_of_edges(a0, a1, b0, b1, stage);
     const double n_sq = norm_sq(N);
-    const double volume = orient3d_value(a0, a1, b0, b1);  // (a0 - b0) . N
+    const double volume = orient3d_value(a0, a1, b0, b1, stage);  // (a0 - b0) . N
     const double sigma =
-        detail::ratio_or_zero(dot(cross_of_edges(b0, b1, b0, a0), N), n_sq);
+        detail::ratio_or_zero(dot(cross_of_edges(b0, b1, b0, a0, stage), N), n_sq);
     const double tau =
-        detail::ratio_or_zero(dot(cross_of_edges(a0, a1, b0, a0), N), n_sq);
+        detail::ratio_or_zero(dot(cross_of_edges(a0, a1, b0, a0, stage), N), n_sq);
     return {detail::ratio_or_zero(std::fabs(volume), std::sqrt(n_sq)),
             double(detail::sign_of(volume)) * detail::unit_or_zero(N),
             {1.0 - sigma, sigma, -(1.0 - tau), -tau}};

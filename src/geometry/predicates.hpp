@@ -3,7 +3,9 @@
 /// Orientation predicates and cross products that are right even when doubles cancel.
 ///
 /// Each is computed in double first, together with a bound on its own error; only where
-/// that bound does not suffice is it computed again with expansions, without error.
+/// that bound does not suffice is it computed again with expansions, without error. The
+/// values take that second stage from their caller (geometry/stages.hpp); the signs are
+/// always exact.
 ///
 /// The bounds, with u = 2^-53: a product of k coordinate differences inside such a
 /// determinant passes through r roundings (its k differences, its k-1 products, the sums
@@ -16,6 +18,7 @@
 
 #include "core/vec.hpp"
 #include "geometry/expansion.hpp"
+#include "geometry/stages.hpp"
 
 #include <cmath>
 
@@ -74,10 +77,15 @@ NOLI_HD inline ExactVec3 exact_difference(const Vec3d& to, const Vec3d& from) {
                         make_expansion(two_diff(c.y, a.y)));
 }
 
-/// det [b-a, c-a, d-a]; exact stage where the error may exceed `tolerance` times the
+/// det [b-a, c-a, d-a]; second stage where the error may exceed `tolerance` times the
 /// value.
-NOLI_HD inline double orient3d_filtered(
-    const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double tolerance) {
+template <class Stage>
+NOLI_HD inline double orient3d_filtered(const Vec3d& a,
+                                        const Vec3d& b,
+                                        const Vec3d& c,
+                                        const Vec3d& d,
+                                        double tolerance,
+                                        Stage&& stage) {
     const Vec3d u = b - a;
     const Vec3d v = c - a;
     const Vec3d w = d - a;
@@ -88,7 +96,7 @@ NOLI_HD inline double orient3d_filtered(
                            + (std::fabs(plus.y) + std::fabs(minus.y)) * std::fabs(w.y)
                            + (std::fabs(plus.z) + std::fabs(minus.z)) * std::fabs(w.z);
     if (kOrient3dError * magnitude <= tolerance * std::fabs(det)) return det;
-    return orient3d_exact(a, b, c, d);
+    return stage.refined(det, [&] { return orient3d_exact(a, b, c, d); });
 }
 
 [[gnu::noinline]] NOLI_HD inline Vec3d cross_exact(const Vec3d& a,
@@ -120,24 +128,22 @@ NOLI_HD inline int orient3d_sign(const Vec3d& a,
                                  const Vec3d& b,
                                  const Vec3d& c,
                                  const Vec3d& d) {
-    return detail::sign_of(detail::orient3d_filtered(a, b, c, d, 0.5));
+    return detail::sign_of(detail::orient3d_filtered(a, b, c, d, 0.5, Exactly{}));
 }
 
 /// det [b-a, c-a, d-a] in m^3, to a relative error of 1e-10 however much it cancels; 0
 /// only if it is 0.
-NOLI_HD inline double orient3d_value(const Vec3d& a,
-                                     const Vec3d& b,
-                                     const Vec3d& c,
-                                     const Vec3d& d) {
-    return detail::orient3d_filtered(a, b, c, d, detail::kValueTolerance);
+template <class Stage = Exactly>
+NOLI_HD inline double orient3d_value(
+    const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, Stage&& stage = {}) {
+    return detail::orient3d_filtered(a, b, c, d, detail::kValueTolerance, stage);
 }
 
 /// (b - a) x (d - c) in m^2, to 2e-10 of its norm however parallel the two are; 0 only if
 /// it is 0.
-NOLI_HD inline Vec3d cross_of_edges(const Vec3d& a,
-                                    const Vec3d& b,
-                                    const Vec3d& c,
-                                    const Vec3d& d) {
+template <class Stage = Exactly>
+NOLI_HD inline Vec3d cross_of_edges(
+    const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, Stage&& stage = {}) {
     const Vec3d u = b - a;
     const Vec3d v = d - c;
     const Vec3d plus = {u.y * v.z, u.z * v.x, u.x * v.y};
@@ -146,7 +152,7 @@ NOLI_HD inline Vec3d cross_of_edges(const Vec3d& a,
     const double magnitude = detail::size_1(plus) + detail::size_1(minus);
     if (detail::kCrossError * magnitude <= detail::kValueTolerance * detail::size_1(out))
         return out;
-    return detail::cross_exact(a, b, c, d);
+    return stage.refined(out, [&] { return detail::cross_exact(a, b, c, d); });
 }
 
 }  // namespace noli

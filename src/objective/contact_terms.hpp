@@ -91,12 +91,16 @@ class ContactTerms {
                                               View<const Vec3d> x,
                                               const PairSet<Exec>& pairs,
                                               BarrierParams params) {
+        const Doubles how = pairs.doubles;
         return {
-            pair_energy_sum<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, params),
-            pair_energy_sum<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, params),
-            pair_energy_sum<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, params),
-            pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params),
-            mollified_energy_sum(exec, pairs.mollified.view(), x, params),
+            pair_energy_sum<2>(
+                exec, PairKind::PointPoint, pairs.pp.view(), x, params, how),
+            pair_energy_sum<3>(
+                exec, PairKind::PointEdge, pairs.pe.view(), x, params, how),
+            pair_energy_sum<4>(
+                exec, PairKind::PointTriangle, pairs.pt.view(), x, params, how),
+            pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params, how),
+            mollified_energy_sum(exec, pairs.mollified.view(), x, params, how),
             plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params)};
     }
 
@@ -162,16 +166,18 @@ class ContactTerms {
                       const detail::PairRanks& ranks,
                       TermRange& at) {
         const PhaseTimer timer(seconds_.barrier);
+        const Doubles how = pairs.doubles;
         at.next(0, ranks.pp);
-        fill_pair_terms<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, law, at);
+        fill_pair_terms<2>(exec, PairKind::PointPoint, pairs.pp.view(), x, law, at, how);
         at.next(pairs.pp.size(), ranks.pe);
-        fill_pair_terms<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, law, at);
+        fill_pair_terms<3>(exec, PairKind::PointEdge, pairs.pe.view(), x, law, at, how);
         at.next(pairs.pe.size(), ranks.four_points);
-        fill_pair_terms<4>(exec, PairKind::PointTriangle, pairs.pt.view(), x, law, at);
+        fill_pair_terms<4>(
+            exec, PairKind::PointTriangle, pairs.pt.view(), x, law, at, how);
         at.next(pairs.pt.size(), ranks.four_points);
-        fill_pair_terms<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, law, at);
+        fill_pair_terms<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, law, at, how);
         at.next(pairs.ee.size(), ranks.mollified);
-        fill_mollified_terms(exec, pairs.mollified.view(), x, law, at);
+        fill_mollified_terms(exec, pairs.mollified.view(), x, law, at, how);
         at.next(pairs.mollified.size(), detail::PairRanks::kPlane);
         fill_plane_terms(exec, pairs.planes.view(), planes_.view(), x, law, at);
     }

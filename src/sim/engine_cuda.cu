@@ -13,7 +13,7 @@ constexpr int kLeastComputeCapability = 8;
 
 /// Stack of the kernel that needs most (tools/check_ptxas.py); the driver sets it aside
 /// for every thread that the GPU can hold.
-constexpr std::size_t kStackBytes = 10 * 1024 + 512;
+constexpr std::size_t kStackBytes = 13 * 1024 + 512;
 
 Error no_device(const std::string& why) {
     return {Error::Code::NoDevice, "--device cuda", why};

@@ -5,6 +5,7 @@
 
 #include "noli/scene.hpp"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,20 @@ inline Scene tower_of_boxes() {
     scene.name = "tower";
     scene.bodies[1].transform.rows = {{{1, 0, 0, 0.1}, {0, 1, 0, 1.502}, {0, 0, 1, 0.1}}};
     scene.bodies[1].velocity = {0, -0.1, 0};
+    return scene;
+}
+
+/// The same, turned by no simple angle: edges are parallel up to rounding, and doubles do
+/// not suffice.
+inline Scene turned_tower() {
+    Scene scene = tower_of_boxes();
+    scene.name = "turned";
+    const double c = std::cos(0.7);
+    const double s = std::sin(0.7);
+    for (Body& body : scene.bodies) {
+        auto& rows = body.transform.rows;
+        rows = {{{c, 0, s, rows[0][3]}, {0, 1, 0, rows[1][3]}, {-s, 0, c, rows[2][3]}}};
+    }
     return scene;
 }
 
@@ -91,9 +106,13 @@ inline Scene squeezed_ball() {
     return scene;
 }
 
-inline constexpr int kNumParityScenes = 4;
+inline constexpr int kNumParityScenes = 5;
 inline std::vector<Scene> parity_scenes() {
-    return {pile_of_boxes(), tower_of_boxes(), twisted_bar(), squeezed_ball()};
+    return {pile_of_boxes(),
+            tower_of_boxes(),
+            turned_tower(),
+            twisted_bar(),
+            squeezed_ball()};
 }
 
 }  // namespace noli::test

@@ -17,6 +17,13 @@ double named_feature_sq(const Stencil<4>& s, const ClosestFeature& f, double who
     return whole;
 }
 
+ClosestFeature exact_point_triangle(const Stencil<4>& s) {
+    return classify_point_triangle(s);
+}
+ClosestFeature exact_edge_edge(const Stencil<4>& s) {
+    return classify_edge_edge(s);
+}
+
 bool point_triangle_touch(const Stencil<4>& s) {
     return point_on_triangle(s.x[0], s.x[1], s.x[2], s.x[3]);
 }
@@ -58,17 +65,17 @@ void expect_least_distance(
 
 TEST(ClosestFeature, PointTriangleIsTheLeastDistanceOfRandomInput) {
     expect_least_distance(
-        1, false, classify_point_triangle, point_triangle_sq, point_triangle_touch);
+        1, false, exact_point_triangle, point_triangle_sq, point_triangle_touch);
 }
 TEST(ClosestFeature, PointTriangleIsTheLeastDistanceOfDegenerateInput) {
     expect_least_distance(
-        2, true, classify_point_triangle, point_triangle_sq, point_triangle_touch);
+        2, true, exact_point_triangle, point_triangle_sq, point_triangle_touch);
 }
 TEST(ClosestFeature, EdgeEdgeIsTheLeastDistanceOfRandomInput) {
-    expect_least_distance(3, false, classify_edge_edge, edge_edge_sq, edge_edge_touch);
+    expect_least_distance(3, false, exact_edge_edge, edge_edge_sq, edge_edge_touch);
 }
 TEST(ClosestFeature, EdgeEdgeIsTheLeastDistanceOfDegenerateInput) {
-    expect_least_distance(4, true, classify_edge_edge, edge_edge_sq, edge_edge_touch);
+    expect_least_distance(4, true, exact_edge_edge, edge_edge_sq, edge_edge_touch);
 }
 
 // The search resolves squared distances to 1e-19 of the squared size only.
