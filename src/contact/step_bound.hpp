@@ -10,28 +10,13 @@
 ///
 /// Source: MATH 8.5 (pairs), MATH 6 (half-spaces).
 
-#include "contact/candidates.hpp"
-#include "contact/collision_mesh.hpp"
+#include "contact/candidate_advance.hpp"
 #include "exec/later.hpp"
-#include "geometry/ccd.hpp"
 
 #include <array>
 #include <cmath>
 
 namespace noli {
-
-/// A step that is safe for every candidate, and the pair that limits it.
-struct StepBound {
-    enum class Limit { None, VertexTriangle, EdgeEdge, Plane, NotFinite };
-
-    double alpha;  ///< in [0, alpha_max]; all of it without a limit
-    Limit limit;   ///< which list of candidates the limiting pair is from
-    /// Its vertices: vertex and triangle; both edges; vertex, plane index, -1, -1;
-    /// NotFinite: vertex, -1, -1, -1; else all -1.
-    Int4 vertices;
-    bool capped;  ///< its iteration cap was reached: alpha is safe, but may be short
-    AdvanceEnd reason;  ///< why the limiting pair ends there; tells also why alpha is 0
-};
 
 /// Buffers of step_bound, kept between calls.
 template <class Exec>
@@ -41,130 +26,10 @@ struct StepBoundWork {
 
 namespace detail {
 
-/// One motion of all candidates.
-struct CandidateMotion {
-    CollisionMeshView mesh;
-    View<const Int2> vertex_triangle;
-    View<const Int2> edge_edge;
-    View<const Int2> vertex_plane;
-    View<const Vec3d> x;
-    View<const Vec3d> p;
-    AdvanceParams params;
-
-    [[nodiscard]] NOLI_HD int size() const {
-        return vertex_triangle.size + edge_edge.size + vertex_plane.size;
-    }
-    /// Candidates are numbered through: vertex-triangle, edge-edge, vertex-plane.
-    [[nodiscard]] NOLI_HD StepBound::Limit list_of(int i) const {
-        if (i < vertex_triangle.size) return StepBound::Limit::VertexTriangle;
-        if (i < vertex_triangle.size + edge_edge.size) return StepBound::Limit::EdgeEdge;
-        return StepBound::Limit::Plane;
-    }
-    [[nodiscard]] NOLI_HD Int4 vertices_of(int i) const {
-        if (i < vertex_triangle.size) {
-            const Int3& t = mesh.triangles[vertex_triangle[i][1]];
-            return {vertex_triangle[i][0], t[0], t[1], t[2]};
-        }
-        i -= vertex_triangle.size;
-        if (i < edge_edge.size) {
-            const Int2& a = mesh.edges[edge_edge[i][0]];
-            const Int2& b = mesh.edges[edge_edge[i][1]];
-            return {a[0], a[1], b[0], b[1]};
-        }
-        const Int2& pair = vertex_plane[i - edge_edge.size];
-        return {pair[0], pair[1], -1, -1};
-    }
-    /// First candidate of a list.
-    [[nodiscard]] int begin_of(StepBound::Limit list) const {
-        if (list == StepBound::Limit::VertexTriangle) return 0;
-        if (list == StepBound::Limit::EdgeEdge) return vertex_triangle.size;
-        return vertex_triangle.size + edge_edge.size;
-    }
-    /// Of candidate i, which is from List.
-    template <StepBound::Limit List, class Stage>
-    [[nodiscard]] NOLI_HD Advance advance(int i, double t_max, Stage& stage) const {
-        const Int4 v = vertices_of(i);
-        if constexpr (List == StepBound::Limit::Plane) {
-            const CollisionMesh::Plane& plane = mesh.planes[v[1]];
-            const double distance =
-                plane_distance(plane, x[v[0]]) - params.min_separation;
-            return advance_half_space(
-                distance, dot(plane.normal, p[v[0]]), params.slack, t_max);
-        }
-        const Stencil<4> from{{x[v[0]], x[v[1]], x[v[2]], x[v[3]]}};
-        const Stencil<4> along{{p[v[0]], p[v[1]], p[v[2]], p[v[3]]}};
-        if constexpr (List == StepBound::Limit::VertexTriangle)
-            return advance_point_triangle(from, along, t_max, params, stage);
-        return advance_edge_edge(from, along, t_max, params, stage);
-    }
-};
-
-/// Advances candidate i from List.
-template <StepBound::Limit List>
-struct CandidateAdvance {
-    static constexpr Advance kUndecided{-1.0, 0, false, AdvanceEnd::Undecided};
-    CandidateMotion motion;
-    View<Advance> advances;
-    int i;
-    double t_max;
-
-    template <class Stage>
-    NOLI_HD void operator()(Stage& stage) const {
-        const Advance advance = motion.advance<List>(i, t_max, stage);
-        advances[i] = stage.enough() ? advance : kUndecided;
-    }
-};
-
 /// Bound of an advance that did not get to the end of the motion; infinite for one that
 /// did, negative for one that is undecided.
 NOLI_HD inline double limit_of(const Advance& advance) {
     return advance.reason == AdvanceEnd::Free ? INFINITY : advance.t;
-}
-
-/// Every stride-th candidate; those of the sample before (done_stride a multiple of
-/// stride; 0: none) keep their result.
-struct Sample {
-    int stride;
-    int done_stride;
-};
-
-/// The end of a motion that is shortened while it is looked at: the smallest bound so
-/// far, at `limit` in the memory of the executor (nullptr: none yet), and no more than
-/// alpha.
-struct MotionEnd {
-    double alpha;
-    const double* limit;
-
-    [[nodiscard]] NOLI_HD double now() const {
-        return limit == nullptr ? alpha : std::fmin(*limit, alpha);
-    }
-};
-
-/// The candidates of a sample that are in [begin, end) and from List. Where nothing is
-/// left of the motion, nothing more can limit it.
-template <StepBound::Limit List, Doubles How, class Exec>
-void advance_list(Exec& exec,
-                  CandidateMotion motion,
-                  Sample sample,
-                  int begin,
-                  int end,
-                  MotionEnd motion_end,
-                  View<Advance> advances) {
-    const int first = (begin + sample.stride - 1) / sample.stride;
-    const int last = (end + sample.stride - 1) / sample.stride;
-    exec.for_each(
-        "contact/advance_list",
-        last - first,
-        [=] NOLI_HD(int k) {
-            const int i = (first + k) * sample.stride;
-            if (sample.done_stride != 0 && i % sample.done_stride == 0) return;
-            const double t_max = motion_end.now();
-            if (t_max > 0.0)
-                evaluate<How>(CandidateAdvance<List>{motion, advances, i, t_max});
-            else
-                advances[i] = {t_max, 0, false, AdvanceEnd::Free};
-        },
-        16);
 }
 
 /// Advances the candidates of a sample, one loop per list: on a GPU a matter of
@@ -178,11 +43,11 @@ Later advance_sample(Exec& exec,
     using List = StepBound::Limit;
     const int edge_edge = motion.begin_of(List::EdgeEdge);
     const int plane = motion.begin_of(List::Plane);
-    advance_list<List::VertexTriangle, How>(
+    advance_candidates<List::VertexTriangle, How>(
         exec, motion, sample, 0, edge_edge, end, advances);
-    advance_list<List::EdgeEdge, How>(
+    advance_candidates<List::EdgeEdge, How>(
         exec, motion, sample, edge_edge, plane, end, advances);
-    advance_list<List::Plane, How>(
+    advance_candidates<List::Plane, How>(
         exec, motion, sample, plane, motion.size(), end, advances);
     const int n = (motion.size() + sample.stride - 1) / sample.stride;
     return exec.min_later("contact/smallest_bound", n, [=] NOLI_HD(int k) {

@@ -20,6 +20,7 @@ class RadixSort {
     template <class Key>
     void sort(View<Key> keys, View<int> values) {
         const int n = keys.size;
+        if (n <= kFew) return insert_all(keys, values);
         key_bytes_.resize(n * static_cast<int>(sizeof(Key)));
         other_values_.resize(n);
         parts_ = std::clamp(n / kLeastPart, 1, kMostParts);
@@ -39,6 +40,7 @@ class RadixSort {
     }
 
   private:
+    static constexpr int kFew = 96;           ///< up to which insertion is faster
     static constexpr int kLeastPart = 32768;  ///< shorter ones are not worth a task
     static constexpr int kMostParts = 16;
     static constexpr std::size_t kDigits = 256;
@@ -48,6 +50,22 @@ class RadixSort {
         Key* keys;
         int* values;
     };
+
+    /// Insertion sort: stable as well.
+    template <class Key>
+    static void insert_all(View<Key> keys, View<int> values) {
+        for (int i = 1; i < keys.size; ++i) {
+            const Key key = keys[i];
+            const int value = values[i];
+            int to = i;
+            for (; to > 0 && key < keys[to - 1]; --to) {
+                keys[to] = keys[to - 1];
+                values[to] = values[to - 1];
+            }
+            keys[to] = key;
+            values[to] = value;
+        }
+    }
 
     [[nodiscard]] int bound(int part, int n) const {
         return static_cast<int>(static_cast<std::int64_t>(n) * part / parts_);

@@ -4,12 +4,12 @@
 /// step that inverts nothing, and stresses for output. Formulas: energy/elastic.hpp,
 /// energy/tet.hpp.
 
+#include "core/lane_load.hpp"
 #include "energy/tet.hpp"
 #include "exec/lanes.hpp"
 #include "exec/later.hpp"
 #include "geometry/inversion.hpp"
 #include "objective/device_model.hpp"
-#include "objective/lane_load.hpp"
 
 namespace noli {
 

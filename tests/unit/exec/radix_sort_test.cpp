@@ -66,7 +66,7 @@ TYPED_TEST_SUITE(RadixSortOn, Orders);
 
 TYPED_TEST(RadixSortOn, SortsAsTheStandardLibraryDoes) {
     detail::RadixSort<TypeParam> sort;
-    for (const int n : {0, 1, 2, 255, 4096, 65535, 200000, 100})
+    for (const int n : {0, 1, 2, 40, 96, 97, 255, 4096, 65535, 200000, 100})
         for (const std::uint64_t bound : {1U, 2U, 200U, 70000U}) {
             expect_sorted<TypeParam, std::uint32_t>(sort, n, bound);
             expect_sorted<TypeParam, std::uint64_t>(sort, n, bound << 30);

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+/// How far single candidates may move, and the loops over lists of them.
+///
+/// On the CPU most candidates are found free in packs (geometry/free_motion.hpp); the
+/// others, and all on a device, are advanced one by one.
+
+#include "contact/candidates.hpp"
+#include "contact/collision_mesh.hpp"
+#include "core/lane_load.hpp"
+#include "exec/lanes.hpp"
+#include "geometry/ccd.hpp"
+#include "geometry/free_motion.hpp"
+
+#include <cmath>
+
+namespace noli {
+
+/// A step that is safe for every candidate, and the pair that limits it.
+struct StepBound {
+    enum class Limit { None, VertexTriangle, EdgeEdge, Plane, NotFinite };
+
+    double alpha;  ///< in [0, alpha_max]; all of it without a limit
+    Limit limit;   ///< which list of candidates the limiting pair is from
+    /// Its vertices: vertex and triangle; both edges; vertex, plane index, -1, -1;
+    /// NotFinite: vertex, -1, -1, -1; else all -1.
+    Int4 vertices;
+    bool capped;  ///< its iteration cap was reached: alpha is safe, but may be short
+    AdvanceEnd reason;  ///< why the limiting pair ends there; tells also why alpha is 0
+};
+
+namespace detail {
+
+/// One motion of all candidates.
+struct CandidateMotion {
+    CollisionMeshView mesh;
+    View<const Int2> vertex_triangle;
+    View<const Int2> edge_edge;
+    View<const Int2> vertex_plane;
+    View<const Vec3d> x;
+    View<const Vec3d> p;
+    AdvanceParams params;
+
+    [[nodiscard]] NOLI_HD int size() const {
+        return vertex_triangle.size + edge_edge.size + vertex_plane.size;
+    }
+    /// Candidates are numbered through: vertex-triangle, edge-edge, vertex-plane.
+    [[nodiscard]] NOLI_HD StepBound::Limit list_of(int i) const {
+        if (i < vertex_triangle.size) return StepBound::Limit::VertexTriangle;
+        if (i < vertex_triangle.size + edge_edge.size) return StepBound::Limit::EdgeEdge;
+        return StepBound::Limit::Plane;
+    }
+    [[nodiscard]] NOLI_HD Int4 vertices_of(int i) const {
+        if (i < vertex_triangle.size) {
+            const Int3& t = mesh.triangles[vertex_triangle[i][1]];
+            return {vertex_triangle[i][0], t[0], t[1], t[2]};
+        }
+        i -= vertex_triangle.size;
+        if (i < edge_edge.size) {
+            const Int2& a = mesh.edges[edge_edge[i][0]];
+            const Int2& b = mesh.edges[edge_edge[i][1]];
+            return {a[0], a[1], b[0], b[1]};
+        }
+        const Int2& pair = vertex_plane[i - edge_edge.size];
+        return {pair[0], pair[1], -1, -1};
+    }
+    /// First candidate of a list.
+    [[nodiscard]] int begin_of(StepBound::Limit list) const {
+        if (list == StepBound::Limit::VertexTriangle) return 0;
+        if (list == StepBound::Limit::EdgeEdge) return vertex_triangle.size;
+        return vertex_triangle.size + edge_edge.size;
+    }
+    /// Of candidate i, which is from List.
+    template <StepBound::Limit List, class Stage>
+    [[nodiscard]] NOLI_HD Advance advance(int i, double t_max, Stage& stage) const {
+        const Int4 v = vertices_of(i);
+        if constexpr (List == StepBound::Limit::Plane) {
+            const CollisionMesh::Plane& plane = mesh.planes[v[1]];
+            const double distance =
+                plane_distance(plane, x[v[0]]) - params.min_separation;
+            return advance_half_space(
+                distance, dot(plane.normal, p[v[0]]), params.slack, t_max);
+        }
+        const Stencil<4> from{{x[v[0]], x[v[1]], x[v[2]], x[v[3]]}};
+        const Stencil<4> along{{p[v[0]], p[v[1]], p[v[2]], p[v[3]]}};
+        if constexpr (List == StepBound::Limit::VertexTriangle)
+            return advance_point_triangle(from, along, t_max, params, stage);
+        return advance_edge_edge(from, along, t_max, params, stage);
+    }
+};
+
+/// Advances candidate i from List.
+template <StepBound::Limit List>
+struct CandidateAdvance {
+    static constexpr Advance kUndecided{-1.0, 0, false, AdvanceEnd::Undecided};
+    CandidateMotion motion;
+    View<Advance> advances;
+    int i;
+    double t_max;
+
+    template <class Stage>
+    NOLI_HD void operator()(Stage& stage) const {
+        const Advance advance = motion.advance<List>(i, t_max, stage);
+        advances[i] = stage.enough() ? advance : kUndecided;
+    }
+};
+
+/// Every stride-th candidate; those of the sample before (done_stride a multiple of
+/// stride; 0: none) keep their result.
+struct Sample {
+    int stride;
+    int done_stride;
+};
+
+/// The end of a motion that is shortened while it is looked at: the smallest bound so
+/// far, at `limit` in the memory of the executor (nullptr: none yet), and no more than
+/// alpha.
+struct MotionEnd {
+    double alpha;
+    const double* limit;
+
+    [[nodiscard]] NOLI_HD double now() const {
+        return limit == nullptr ? alpha : std::fmin(*limit, alpha);
+    }
+};
+
+/// Candidates of a sample, all from List: advances[i] of number k of them, i = (first +
+/// k) * sample.stride. Where nothing is left of the motion, nothing more can limit it.
+template <StepBound::Limit List, Doubles How>
+struct SampleAdvance {
+    CandidateMotion motion;
+    Sample sample;
+    int first;
+    MotionEnd motion_end;
+    View<Advance> advances;
+
+    [[nodiscard]] NOLI_HD int candidate(int k) const {
+        return (first + k) * sample.stride;
+    }
+    [[nodiscard]] NOLI_HD bool done(int i) const {
+        return sample.done_stride != 0 && i % sample.done_stride == 0;
+    }
+
+    NOLI_HD void operator()(int k) const {
+        const int i = candidate(k);
+        if (done(i)) return;
+        const double t_max = motion_end.now();
+        if (t_max > 0.0)
+            evaluate<How>(CandidateAdvance<List>{motion, advances, i, t_max});
+        else
+            advances[i] = {t_max, 0, false, AdvanceEnd::Free};
+    }
+};
+
+/// The same in packs.
+template <StepBound::Limit List, Doubles How>
+struct SampleAdvanceKernel {
+    SampleAdvance<List, How> one;
+
+    template <class T>
+    void operator()(Lane<T> lane) const {
+        constexpr PairKind kParent = List == StepBound::Limit::VertexTriangle
+                                       ? PairKind::PointTriangle
+                                       : PairKind::EdgeEdge;
+        const double t_max = one.motion_end.now();
+        Int4 v[kLaneWidth<T>];
+        for (int j = 0; j < kLaneWidth<T>; ++j)
+            v[j] = one.motion.vertices_of(one.candidate(lane.first + j));
+        Vec3<T> x[4];
+        Vec3<T> p[4];
+        for (int c = 0; c < 4; ++c) {
+            x[c] = load_vec3_lanes<T>([&](int j) { return one.motion.x[v[j][c]]; });
+            p[c] = load_vec3_lanes<T>([&](int j) { return one.motion.p[v[j][c]]; });
+        }
+        const T free =
+            select(surely_free<kParent>(x, p, t_max, one.motion.params), T(1.0), T(0.0));
+        for (int j = 0; j < kLaneWidth<T>; ++j) {
+            const int i = one.candidate(lane.first + j);
+            if (!(lane_of(free, j) > 0.0))
+                rest(lane.first + j);
+            else if (!one.done(i))
+                one.advances[i] = {t_max, 0, false, AdvanceEnd::Free};
+        }
+    }
+
+  private:
+    /// Out of line: rare, and large.
+    [[gnu::noinline]] void rest(int k) const { one(k); }
+};
+
+template <StepBound::Limit List, Doubles How, class Exec>
+void advance_list(Exec& exec, int n, SampleAdvance<List, How> one) {
+    exec.for_each(
+        "contact/advance_list", n, [=] NOLI_HD(int k) { one(k); }, 16);
+}
+
+/// The candidates of a sample that are in [begin, end) and from List.
+template <StepBound::Limit List, Doubles How, class Exec>
+void advance_candidates(Exec& exec,
+                        CandidateMotion motion,
+                        Sample sample,
+                        int begin,
+                        int end,
+                        MotionEnd motion_end,
+                        View<Advance> advances) {
+    const int first = (begin + sample.stride - 1) / sample.stride;
+    const int n = (end + sample.stride - 1) / sample.stride - first;
+    const SampleAdvance<List, How> one{motion, sample, first, motion_end, advances};
+    if constexpr (Exec::kIsDevice || List == StepBound::Limit::Plane)
+        advance_list(exec, n, one);
+    else
+        exec.for_lanes("contact/advance_lanes", n, SampleAdvanceKernel<List, How>{one});
+}
+
+}  // namespace detail
+
+}  // namespace noli
