@@ -336,7 +336,7 @@ def plan(arguments):
         jobs += stiff_jobs(stiff, stiff_steps)
     parallel = []
     if "parallel" in wanted:
-        parallel = family_jobs([size for size in sizes if size <= MANY_TETS][-1:], parallel_steps)
+        parallel = family_jobs(arguments.tets or [size for size in sizes if size <= MANY_TETS], parallel_steps)
     if arguments.scenes:
         jobs, parallel = ([job for job in some if re.search(arguments.scenes, job.name)]
                           for some in (jobs, parallel))

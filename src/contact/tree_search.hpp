@@ -19,9 +19,9 @@ namespace noli::detail {
 template <class Search>
 inline constexpr int kLeavesOfGroup = Search::kLevel == 0 ? 1 : kBlockSize;
 
-/// Groups of a search that are worth a task: eight leaves.
+/// Groups of a search that are worth a task: 64 leaves.
 template <class Search>
-inline constexpr int kGroupGrain = 8 / kLeavesOfGroup<Search>;
+inline constexpr int kGroupGrain = 64 / kLeavesOfGroup<Search>;
 
 /// Slots per leaf: groups that find more search a second time. Adapted to what the last
 /// search found; the result does not depend on it.

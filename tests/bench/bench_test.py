@@ -70,8 +70,8 @@ for row in compared:
         expect(int(row["compared_steps"]) == STEPS and float(row["times_faster"]) > 0, f"{row['scene']}: no ratio")
 expect(any(int(row["contacts_max"]) > 0 for row in rows), "no scene has contacts")
 expect({row["family"] for row in growth} == {"mat_twist", "falling_blocks"}, "a family has no growth exponent")
-expect(len(parallel) == 2 and all(row["same_state"] == "1" for row in parallel),
-       "the state depends on the number of threads, or parallel.csv lacks a family")
+expect(len(parallel) == 4 and all(row["same_state"] == "1" for row in parallel),
+       "the state depends on the number of threads, or parallel.csv lacks a scene")
 expect(all(name in summary for name in scenes), "the summary lacks a scene")
 
 print("\n".join(failures) if failures else "bench: every column is there, the baseline and the exact test ran")
