@@ -5,8 +5,7 @@
 /// On the CPU most candidates are found free in packs (geometry/free_motion.hpp); the
 /// others, and all on a device, are advanced one by one.
 
-#include "contact/candidates.hpp"
-#include "contact/collision_mesh.hpp"
+#include "contact/candidate_code.hpp"
 #include "core/lane_load.hpp"
 #include "exec/lanes.hpp"
 #include "geometry/ccd.hpp"
@@ -33,56 +32,36 @@ namespace detail {
 
 /// One motion of all candidates.
 struct CandidateMotion {
-    CollisionMeshView mesh;
-    View<const Int2> vertex_triangle;
-    View<const Int2> edge_edge;
-    View<const Int2> vertex_plane;
+    CandidateView candidates;
     View<const Vec3d> x;
     View<const Vec3d> p;
     AdvanceParams params;
 
-    [[nodiscard]] NOLI_HD int size() const {
-        return vertex_triangle.size + edge_edge.size + vertex_plane.size;
-    }
-    /// Candidates are numbered through: vertex-triangle, edge-edge, vertex-plane.
     [[nodiscard]] NOLI_HD StepBound::Limit list_of(int i) const {
-        if (i < vertex_triangle.size) return StepBound::Limit::VertexTriangle;
-        if (i < vertex_triangle.size + edge_edge.size) return StepBound::Limit::EdgeEdge;
-        return StepBound::Limit::Plane;
-    }
-    [[nodiscard]] NOLI_HD Int4 vertices_of(int i) const {
-        if (i < vertex_triangle.size) {
-            const Int3& t = mesh.triangles[vertex_triangle[i][1]];
-            return {vertex_triangle[i][0], t[0], t[1], t[2]};
-        }
-        i -= vertex_triangle.size;
-        if (i < edge_edge.size) {
-            const Int2& a = mesh.edges[edge_edge[i][0]];
-            const Int2& b = mesh.edges[edge_edge[i][1]];
-            return {a[0], a[1], b[0], b[1]};
-        }
-        const Int2& pair = vertex_plane[i - edge_edge.size];
-        return {pair[0], pair[1], -1, -1};
+        if (candidates.is_vertex_triangle(i)) return StepBound::Limit::VertexTriangle;
+        return candidates.is_plane(i) ? StepBound::Limit::Plane
+                                      : StepBound::Limit::EdgeEdge;
     }
     /// First candidate of a list.
     [[nodiscard]] int begin_of(StepBound::Limit list) const {
         if (list == StepBound::Limit::VertexTriangle) return 0;
-        if (list == StepBound::Limit::EdgeEdge) return vertex_triangle.size;
-        return vertex_triangle.size + edge_edge.size;
+        const int edge_edge = candidates.vertex_triangle.size;
+        if (list == StepBound::Limit::EdgeEdge) return edge_edge;
+        return edge_edge + candidates.edge_edge.size;
     }
     /// Of candidate i, which is from List.
     template <StepBound::Limit List, class Stage>
     [[nodiscard]] NOLI_HD Advance advance(int i, double t_max, Stage& stage) const {
-        const Int4 v = vertices_of(i);
+        const Int4 v = candidates.vertices(i);
         if constexpr (List == StepBound::Limit::Plane) {
-            const CollisionMesh::Plane& plane = mesh.planes[v[1]];
+            const CollisionMesh::Plane& plane = candidates.mesh.planes[v[1]];
             const double distance =
                 plane_distance(plane, x[v[0]]) - params.min_separation;
             return advance_half_space(
                 distance, dot(plane.normal, p[v[0]]), params.slack, t_max);
         }
-        const Stencil<4> from{{x[v[0]], x[v[1]], x[v[2]], x[v[3]]}};
-        const Stencil<4> along{{p[v[0]], p[v[1]], p[v[2]], p[v[3]]}};
+        const Stencil<4> from = stencil_at(x, v);
+        const Stencil<4> along = stencil_at(p, v);
         if constexpr (List == StepBound::Limit::VertexTriangle)
             return advance_point_triangle(from, along, t_max, params, stage);
         return advance_edge_edge(from, along, t_max, params, stage);
@@ -165,7 +144,7 @@ struct SampleAdvanceKernel {
         const double t_max = one.motion_end.now();
         Int4 v[kLaneWidth<T>];
         for (int j = 0; j < kLaneWidth<T>; ++j)
-            v[j] = one.motion.vertices_of(one.candidate(lane.first + j));
+            v[j] = one.motion.candidates.vertices(one.candidate(lane.first + j));
         Vec3<T> x[4];
         Vec3<T> p[4];
         for (int c = 0; c < 4; ++c) {
@@ -184,7 +163,7 @@ struct SampleAdvanceKernel {
     }
 
   private:
-    /// Out of line: rare, and large.
+    /// Out of line: large, and for few.
     [[gnu::noinline]] void rest(int k) const { one(k); }
 };
 

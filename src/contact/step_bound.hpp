@@ -48,8 +48,8 @@ Later advance_sample(Exec& exec,
     advance_candidates<List::EdgeEdge, How>(
         exec, motion, sample, edge_edge, plane, end, advances);
     advance_candidates<List::Plane, How>(
-        exec, motion, sample, plane, motion.size(), end, advances);
-    const int n = (motion.size() + sample.stride - 1) / sample.stride;
+        exec, motion, sample, plane, motion.candidates.size(), end, advances);
+    const int n = (motion.candidates.size() + sample.stride - 1) / sample.stride;
     return exec.min_later("contact/smallest_bound", n, [=] NOLI_HD(int k) {
         return limit_of(advances[k * sample.stride]);
     });
@@ -84,7 +84,7 @@ std::array<Later, 6> limiting_candidate(Exec& exec,
     return exec.template numbers_later<6>("contact/name", [=] NOLI_HD(double* to) {
         if (!(*first < INFINITY)) return;
         const int i = static_cast<int>(*first);
-        const Int4 v = motion.vertices_of(i);
+        const Int4 v = motion.candidates.vertices(i);
         for (int k = 0; k < 4; ++k)
             to[k] = v[k];
         to[4] = advances[i].capped ? 1.0 : 0.0;
@@ -98,7 +98,7 @@ StepBound bound_of_candidates(Exec& exec,
                               const CandidateMotion& motion,
                               double alpha_max,
                               StepBoundWork<Exec>& work) {
-    work.advances.resize(motion.size());
+    work.advances.resize(motion.candidates.size());
     const View<Advance> advances = work.advances.view();
     MotionEnd end{alpha_max, nullptr};
     Later limit;
@@ -157,16 +157,10 @@ StepBound step_bound(Exec& exec,
                      const AdvanceParams& params,
                      StepBoundWork<Exec>& work) {
     const Later not_finite = detail::first_not_finite(exec, x, p);
-    const detail::CandidateMotion motion{mesh.view(),
-                                         candidates.vertex_triangle.view(),
-                                         candidates.edge_edge.view(),
-                                         candidates.vertex_plane.view(),
-                                         x,
-                                         p,
-                                         params};
+    const detail::CandidateMotion motion{detail::view_of(mesh, candidates), x, p, params};
     constexpr Int4 kNobody{{-1, -1, -1, -1}};
     StepBound out{alpha_max, StepBound::Limit::None, kNobody, false, AdvanceEnd::Free};
-    if (motion.size() > 0)
+    if (motion.candidates.size() > 0)
         out = detail::bound_of_candidates(exec, motion, alpha_max, work);
     const double bad = exec.value(not_finite);
     if (bad < INFINITY)

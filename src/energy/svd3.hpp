@@ -21,7 +21,6 @@
 /// No branch depends on data, and every width does the same operations in the same order.
 
 #include "core/scalar.hpp"
-#include "core/vec.hpp"
 
 namespace noli {
 
@@ -55,11 +54,6 @@ template <class T>
 NOLI_HD inline T inverse_length(const T& length_sq) {
     const auto ok = length_sq > T(kTinySq);
     return select(ok, T(1.0) / sqrt(select(ok, length_sq, T(1.0))), T(0.0));
-}
-
-template <class Mask, class T>
-NOLI_HD inline Vec3<T> select3(Mask mask, const Vec3<T>& a, const Vec3<T>& b) {
-    return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
 /// Right-handed orthonormal basis (x, y, z) around a given unit z.
@@ -223,12 +217,12 @@ NOLI_HD inline Svd3<T> svd3(const Mat3<T>& F) {
     const Vec3<T> fx = F * v.x;
     const Vec3<T> fy = F * v.y;
     const Vec3<T> fw = F * v.z;
-    const Vec3<T> along = detail::select3(right.is_largest, fw, cross(fx, fy));
+    const Vec3<T> along = select3(right.is_largest, fw, cross(fx, fy));
     const T along_sq = norm_sq(along);
     const Vec3<T> unit = detail::inverse_length(along_sq) * along;
     const Vec3<T> any_axis{T(0.0), T(0.0), T(1.0)};
-    const detail::AxisFrame<T> u = detail::axis_frame(
-        detail::select3(along_sq > T(detail::kTinySq), unit, any_axis));
+    const detail::AxisFrame<T> u =
+        detail::axis_frame(select3(along_sq > T(detail::kTinySq), unit, any_axis));
 
     const detail::Svd2<T> m =
         detail::svd2(dot(u.x, fx), dot(u.x, fy), dot(u.y, fx), dot(u.y, fy));
@@ -238,7 +232,7 @@ NOLI_HD inline Svd3<T> svd3(const Mat3<T>& F) {
                                   u.z,
                                   m.u_cos * u.x + m.u_sin * u.y,
                                   m.u_cos * u.y - m.u_sin * u.x),
-            detail::select3(right.is_largest, sigma_isolated_first, sigma_isolated_last),
+            select3(right.is_largest, sigma_isolated_first, sigma_isolated_last),
             detail::order_columns(right.is_largest,
                                   v.z,
                                   m.v_cos * v.x + m.v_sin * v.y,

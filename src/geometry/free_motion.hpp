@@ -12,7 +12,6 @@
 /// Source: MATH 8.5 (target), 9 (candidates of closest points).
 
 #include "core/scalar.hpp"
-#include "core/vec.hpp"
 #include "geometry/ccd.hpp"
 
 namespace noli {
@@ -31,9 +30,7 @@ struct ShortestDifference {
     NOLI_HD void offer(const Vec3<T>& other) {
         const T other_sq = norm_sq(other);
         const auto shorter = other_sq < sq;  // false for NaN
-        r = {select(shorter, other.x, r.x),
-             select(shorter, other.y, r.y),
-             select(shorter, other.z, r.z)};
+        r = select3(shorter, other, r);
         sq = select(shorter, other_sq, sq);
     }
 };

@@ -41,65 +41,44 @@ std::array<double, 4> numbers_of(const Advance& a) {
     return {a.t, double(a.iterations), double(a.capped), double(a.reason)};
 }
 
-struct PointTriangle {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(classify_point_triangle(s, stage));
-    }
-};
-struct EdgeEdge {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(classify_edge_edge(s, stage));
-    }
-};
-struct PointEdgeGeometry {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(point_edge_geometry({{s.x[0], s.x[1], s.x[2]}}, stage));
-    }
-};
-struct PointTriangleGeometry {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(point_triangle_geometry(s, stage));
-    }
-};
-struct EdgeEdgeGeometry {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(edge_edge_geometry(s, stage));
-    }
-};
 /// Points move to where those of the reversed stencil are.
-struct PointTriangleAdvance {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(advance_point_triangle(s, motion(), 1.0, {}, stage));
-    }
-    [[nodiscard]] Stencil<4> motion() const {
-        Stencil<4> p;
-        for (int i = 0; i < 4; ++i)
-            p.x[i] = s.x[3 - i] - s.x[i];
-        return p;
-    }
-};
-struct EdgeEdgeAdvance {
-    Stencil<4> s;
-    template <class Stage>
-    auto operator()(Stage& stage) const {
-        return numbers_of(
-            advance_edge_edge(s, PointTriangleAdvance{s}.motion(), 1.0, {}, stage));
-    }
-};
+Stencil<4> reversal(const Stencil<4>& s) {
+    Stencil<4> p;
+    for (int i = 0; i < 4; ++i)
+        p.x[i] = s.x[3 - i] - s.x[i];
+    return p;
+}
 
-template <class Body>
+/// The numbers of F(stencil, stage).
+template <auto F>
+struct Body {
+    Stencil<4> s;
+    template <class Stage>
+    auto operator()(Stage& stage) const {
+        return numbers_of(F(s, stage));
+    }
+};
+using PointTriangle = Body<[](const Stencil<4>& s, auto& stage) {
+    return classify_point_triangle(s, stage);
+}>;
+using EdgeEdge =
+    Body<[](const Stencil<4>& s, auto& stage) { return classify_edge_edge(s, stage); }>;
+using PointEdgeGeometry = Body<[](const Stencil<4>& s, auto& stage) {
+    return point_edge_geometry({{s.x[0], s.x[1], s.x[2]}}, stage);
+}>;
+using PointTriangleGeometry = Body<[](const Stencil<4>& s, auto& stage) {
+    return point_triangle_geometry(s, stage);
+}>;
+using EdgeEdgeGeometry =
+    Body<[](const Stencil<4>& s, auto& stage) { return edge_edge_geometry(s, stage); }>;
+using PointTriangleAdvance = Body<[](const Stencil<4>& s, auto& stage) {
+    return advance_point_triangle(s, reversal(s), 1.0, {}, stage);
+}>;
+using EdgeEdgeAdvance = Body<[](const Stencil<4>& s, auto& stage) {
+    return advance_edge_edge(s, reversal(s), 1.0, {}, stage);
+}>;
+
+template <class>
 class Stages : public testing::Test {};
 using Bodies = testing::Types<PointTriangle,
                               EdgeEdge,
