@@ -4,6 +4,8 @@ import csv
 import ctypes
 import datetime
 import functools
+import json
+import math
 import os
 import pathlib
 import platform
@@ -41,6 +43,16 @@ def blas():
     except OSError:
         return ""
     return "OpenBLAS" if any("openblas" in name for name in found) else " ".join(sorted(found))
+
+
+def there_and_back_us(build):
+    """How long a word takes to another core and back, microseconds; NaN where the benchmark has not been built."""
+    program = pathlib.Path(build) / "bench/noli_bench_memory"
+    if not program.exists():
+        return math.nan
+    done = subprocess.run([program, "--benchmark_filter=there_and_back", "--benchmark_min_time=0.02",
+                           "--benchmark_format=json"], capture_output=True, text=True)
+    return json.loads(done.stdout)["benchmarks"][0].get("real_time", math.nan) / 1e3 if done.stdout else math.nan
 
 
 @functools.cache

@@ -187,7 +187,9 @@ class Bench:
             print("parallel efficiency: skipped, one core only")
             return None
         found = {1: [], self.threads: []}
+        distances = []
         for repeat in range(repeats):
+            distances.append(machine.there_and_back_us(pathlib.Path(self.noli).parent))
             for threads, rows in found.items():
                 row, _ = self.run(job, "ours", threads, repeat)
                 if row is None:
@@ -202,7 +204,8 @@ class Bench:
             return times[0] / (self.threads * times[1]) if times[1] > 0 else math.nan
         phases = [key for key in one[0] if key.startswith("t_") and statistics.median(r[key] for r in one) > 1e-3]
         return {**self.identity, "scene": job.name, "tets": one[0]["tets"], "threads": self.threads,
-                "repeats": repeats, "wall_s_one": statistics.median(row["wall_s"] for row in one),
+                "repeats": repeats, "there_and_back_us_min": min(distances),
+                "there_and_back_us_max": max(distances), "wall_s_one": statistics.median(row["wall_s"] for row in one),
                 "wall_s_all": statistics.median(row["wall_s"] for row in many),
                 "efficiency": efficiency("wall_s"),
                 "same_state": int(len({row["state_hash"] for row in one + many}) == 1),
@@ -295,7 +298,8 @@ def page(bench, growth_rows, parallel_rows):
     if parallel_rows:
         text += ["Parallel efficiency, medians of runs in turns:", "", machine.table(parallel_rows, {
             "scene": "scene", "tets": "tets", "threads": "threads", "s, one thread": "wall_s_one",
-            "s, all": "wall_s_all", "efficiency": "efficiency", "same state": "same_state"})]
+            "s, all": "wall_s_all", "there and back, us": "there_and_back_us_max",
+            "efficiency": "efficiency", "same state": "same_state"})]
     return "\n".join(text)
 
 

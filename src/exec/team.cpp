@@ -219,7 +219,8 @@ void Team::rest() {
     state_->helpers.wait();
 }
 
-TeamScope::TeamScope(Team& team) : team_(current_team == nullptr ? &team : nullptr) {
+TeamScope::TeamScope(Team& team)
+    : team_(current_team == nullptr && !AloneScope::active() ? &team : nullptr) {
     if (team_ == nullptr) return;
     current_team = team_;
     team_->wake();

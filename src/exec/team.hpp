@@ -78,6 +78,24 @@ class Team {
     bool alone_ = false;
 };
 
+/// While one that says so lives, CPU loops of this thread stay on it, and no team wakes.
+class AloneScope {
+  public:
+    explicit AloneScope(bool alone) : before_(active()) { flag() = before_ || alone; }
+    ~AloneScope() { flag() = before_; }
+    AloneScope(const AloneScope&) = delete;
+    AloneScope& operator=(const AloneScope&) = delete;
+
+    static bool active() { return flag(); }
+
+  private:
+    static bool& flag() {
+        thread_local bool active = false;
+        return active;
+    }
+    bool before_;
+};
+
 /// While it lives, the team's helpers are awake and CPU loops of this thread run on them.
 /// Until it ends this thread must not wait in the scheduler by itself: it could be given
 /// a helper's task, which ends with the scope.

@@ -2,6 +2,7 @@
 #pragma once
 /// One time step after another: predict, lag, minimise, commit. Owns the state.
 
+#include "exec/sharing.hpp"
 #include "model/boundary.hpp"
 #include "step/boundary_upload.hpp"
 #include "step/integrator.hpp"
@@ -15,6 +16,13 @@ inline constexpr double kYieldShare =
     0.25;  ///< of its motion that a blocked prescribed vertex may lack
 inline constexpr int kMaxFrictionUpdates =
     100;  ///< where friction_iterations = until convergence
+
+/// Up to here a step begins on one thread: with so few vertices more are seldom faster.
+inline constexpr int kFewVertices = 300;
+/// Seconds of a Newton iteration that all threads shorten wherever the cores are.
+inline constexpr double kLongNewton = 1e-3;
+/// Of an iteration of PCG, in Newton iterations without it.
+inline constexpr double kWorkOfPcg = 0.05;
 
 namespace detail {
 
@@ -51,7 +59,8 @@ class Stepper {
           model_(model),
           settings_(settings),
           script_(model, gravity),
-          newton_(exec, model, pattern, settings_) {
+          newton_(exec, model, pattern, settings_),
+          sharing_(model.num_vertices <= kFewVertices, kLongNewton) {
         const std::size_t n = static_cast<std::size_t>(model.num_vertices);
         StepState start;
         start.x = model.x0;
@@ -68,27 +77,10 @@ class Stepper {
     /// One step. On failure the state keeps the last iterate and the step does not count.
     StepReport step() {
         StepReport report;
-        report.step = steps_ + 1;
-        report.time = (steps_ + 1) * settings_.dt;
-        begin(report);
-        report.outcome = solve(report);
-        if (newton_.yielded()) judge_yield(report);
-        if (report.outcome == Outcome::Converged) {
-            detail::advance(exec_,
-                            choice(),
-                            on_device_.fixed(),
-                            x_new_.view(),
-                            motion_.x.view(),
-                            motion_.v.view(),
-                            motion_.a.view(),
-                            motion_.x_prev.view(),
-                            motion_.v_prev.view());
-            ++steps_;
-        } else {
-            exec_.copy(View<const Vec3d>(x_new_.view()), motion_.x.view());
-        }
-        exec_.start_download(View<const Vec3d>(motion_.x.view()), x_arrival_);
-        x_is_on_its_way_ = true;
+        share_if_faster<Exec>(sharing_, [&] {
+            take_step(report);
+            return report.newton + kWorkOfPcg * report.pcg;
+        });
         return report;
     }
 
@@ -135,6 +127,30 @@ class Stepper {
     [[nodiscard]] int steps() const { return steps_; }
 
   private:
+    void take_step(StepReport& report) {
+        report.step = steps_ + 1;
+        report.time = (steps_ + 1) * settings_.dt;
+        begin(report);
+        report.outcome = solve(report);
+        if (newton_.yielded()) judge_yield(report);
+        if (report.outcome == Outcome::Converged) {
+            detail::advance(exec_,
+                            choice(),
+                            on_device_.fixed(),
+                            x_new_.view(),
+                            motion_.x.view(),
+                            motion_.v.view(),
+                            motion_.a.view(),
+                            motion_.x_prev.view(),
+                            motion_.v_prev.view());
+            ++steps_;
+        } else {
+            exec_.copy(View<const Vec3d>(x_new_.view()), motion_.x.view());
+        }
+        exec_.start_download(View<const Vec3d>(motion_.x.view()), x_arrival_);
+        x_is_on_its_way_ = true;
+    }
+
     /// BDF2 needs two old states: its first step is an Euler step.
     [[nodiscard]] IntegratorChoice choice() const {
         Integrator kind = settings_.solver.integrator;
@@ -229,6 +245,7 @@ class Stepper {
     BoundaryScript script_;
     StepBoundary boundary_;
     Newton<Exec> newton_;
+    SharingOfSteps sharing_;
     MotionState<Exec> motion_;
     BoundaryUpload<Exec> on_device_;
     typename Exec::template Buffer<Vec3d> x_new_, x_tilde_;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace noli {
 namespace {
 
@@ -60,6 +62,126 @@ TEST(Sharing, LooksPastOnePieceThatWasHeldUp) {
         sharing.took(k % 50 == 0 ? 1.0 : (now ? 1e-5 : 2e-5));
     }
     EXPECT_LT(alone, 200);
+}
+
+/// Seconds per work, on all threads and on one, of step number k.
+struct StepCosts {
+    double shared, alone;
+};
+
+/// Seconds of so many steps as `sharing` has them done, over those of the better way for
+/// each. Steps come with different amounts of work.
+template <class CostsOf>
+double cost_over_best(SharingOfSteps& sharing, int steps, const CostsOf& costs_of) {
+    double taken = 0.0;
+    double best = 0.0;
+    for (int k = 0; k < steps; ++k) {
+        const StepCosts costs = costs_of(k);
+        const double work = 3.0 + (k * 7) % 11;
+        const double seconds = work * (sharing.shared() ? costs.shared : costs.alone);
+        taken += seconds;
+        best += work * std::min(costs.shared, costs.alone);
+        sharing.took(seconds, work);
+    }
+    return taken / best;
+}
+
+TEST(SharingOfSteps, BeginsWithAllThreadsUnlessThereIsLittleToDo) {
+    EXPECT_TRUE(SharingOfSteps(false, 1.0).shared());
+    EXPECT_FALSE(SharingOfSteps(true, 1.0).shared());
+}
+
+TEST(SharingOfSteps, FindsTheFasterWayFromEitherStart) {
+    for (const bool small : {false, true}) {
+        for (const double alone : {0.7e-4, 1.6e-4}) {
+            SharingOfSteps sharing(small, 1.0);
+            const auto costs = [alone](int) { return StepCosts{1e-4, alone}; };
+            cost_over_best(sharing, 20, costs);
+            EXPECT_EQ(sharing.shared(), alone > 1e-4);
+            EXPECT_LT(cost_over_best(sharing, 2000, costs), 1.01);
+        }
+    }
+}
+
+TEST(SharingOfSteps, IsNotMisledByCostsThatGrow) {
+    SharingOfSteps sharing(false, 1.0);
+    const auto growing = [](int k) {
+        const double shared = 1e-4 * (1.0 + 0.05 * k);
+        return StepCosts{shared, 1.3 * shared};
+    };
+    EXPECT_LT(cost_over_best(sharing, 60, growing), 1.03);
+    EXPECT_TRUE(sharing.shared());
+}
+
+TEST(SharingOfSteps, LooksAgainWhenTheWorkChanges) {
+    SharingOfSteps sharing(false, 1.0);
+    cost_over_best(sharing, 1000, [](int) { return StepCosts{2e-4, 1e-4}; });
+    EXPECT_FALSE(sharing.shared());
+    const auto heavy = [](int) { return StepCosts{5e-4, 8e-4}; };
+    cost_over_best(sharing, 10, heavy);
+    EXPECT_TRUE(sharing.shared());
+}
+
+TEST(SharingOfSteps, NoticesThatTheOtherWayHasBecomeFaster) {
+    SharingOfSteps sharing(false, 1.0);
+    cost_over_best(sharing, 1000, [](int) { return StepCosts{1e-4, 1.05e-4}; });
+    EXPECT_TRUE(sharing.shared());
+    cost_over_best(sharing, 600, [](int) { return StepCosts{1e-4, 0.5e-4}; });
+    EXPECT_FALSE(sharing.shared());
+}
+
+TEST(SharingOfSteps, DoesNotTryWhatTakesLong) {
+    SharingOfSteps sharing(false, 1e-3);
+    const auto costs = [](int) { return StepCosts{2e-3, 4e-3}; };
+    EXPECT_EQ(cost_over_best(sharing, 1000, costs), 1.0);
+}
+
+/// An executor as share_if_faster sees it.
+struct TwoThreads {
+    static constexpr bool kIsDevice = false;
+    static int threads() { return 2; }
+};
+struct OneThread {
+    static constexpr bool kIsDevice = false;
+    static int threads() { return 1; }
+};
+struct Device {
+    static constexpr bool kIsDevice = true;
+};
+
+TEST(ShareIfFaster, RunsAStepTheWayThatIsAskedFor) {
+    for (const bool small : {false, true}) {
+        SharingOfSteps sharing(small, 1.0);
+        for (int k = 0; k < 20; ++k) {
+            const bool alone = !sharing.shared();
+            bool was_alone = false;
+            share_if_faster<TwoThreads>(sharing, [&was_alone] {
+                was_alone = AloneScope::active();
+                return 1.0;
+            });
+            EXPECT_EQ(was_alone, alone);
+            EXPECT_FALSE(AloneScope::active());
+        }
+    }
+}
+
+TEST(ShareIfFaster, TriesNothingWhereThereIsNoChoice) {
+    SharingOfSteps sharing(true, 1.0);
+    const auto tell = [](bool& was_alone) {
+        return [&was_alone] {
+            was_alone = AloneScope::active();
+            return 1.0;
+        };
+    };
+    for (int k = 0; k < 20; ++k) {
+        bool one = true;
+        bool device = true;
+        share_if_faster<OneThread>(sharing, tell(one));
+        share_if_faster<Device>(sharing, tell(device));
+        EXPECT_FALSE(one);
+        EXPECT_FALSE(device);
+    }
+    EXPECT_FALSE(sharing.shared());
 }
 
 }  // namespace
