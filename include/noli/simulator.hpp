@@ -86,6 +86,7 @@ struct StepReport {
     /// Parts of t_assemble: gradients and projected Hessians of these energies, s.
     double t_elastic = 0, t_barrier = 0, t_friction = 0;
     double peak_mb = 0.0;
+    int threads = 0;  ///< that its loops ran on: one where that is faster; 0 on a GPU
     std::vector<IterationRecord> iterations;
 };
 

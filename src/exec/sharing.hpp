@@ -46,7 +46,7 @@ class Sharing {
     }
 
   private:
-    static constexpr int kTrial = 3;
+    static constexpr int kTrial = 4;
     static constexpr int kShortest = 32;
     static constexpr int kLongest = 2048;
     static constexpr double kNone = 1e300;
@@ -60,7 +60,8 @@ class Sharing {
 
 /// The same for pieces that differ: time steps, which come with a measure of what there
 /// was to do. In a trial one step goes the other way and is compared with the two beside
-/// it, so that costs which grow from step to step decide nothing.
+/// it, so that costs which grow from step to step decide nothing. Two trials that agree
+/// change the way.
 class SharingOfSteps {
   public:
     /// `small`: begins with one thread. What takes `long_time` seconds per work on all
@@ -108,19 +109,25 @@ class SharingOfSteps {
     void decide() {
         const double best = best_.seconds * other_.work;
         const double other = other_.seconds * best_.work;
-        if (other < kClearly * best) {
+        if (other >= kClearly * best) {
+            agreeing_ = 0;
+            period_ =
+                std::clamp((other > kFar * best ? 4 : 2) * period_, kShortest, kLongest);
+        } else if (++agreeing_ < kTrials) {
+            period_ = 1;
+        } else {
+            agreeing_ = 0;
             shared_is_best_ = !shared_is_best_;
             best_ = other_;
             period_ = kShortest;
-        } else {
-            period_ = std::min((other > kFar * best ? 4 : 2) * period_, kLongest);
         }
     }
 
-    static constexpr int kTrial = 3;
+    static constexpr int kTrial = 3;     ///< steps
+    static constexpr int kTrials = 2;    ///< that agree
     static constexpr int kShortest = 8;  ///< steps between trials
     static constexpr int kLongest = 256;
-    static constexpr double kClearly = 0.9;
+    static constexpr double kClearly = 0.95;
     static constexpr double kFar = 1.2;
     static constexpr double kAnother = 1.4;
     double long_time_;
@@ -128,27 +135,30 @@ class SharingOfSteps {
     int left_ = 0;               ///< steps of a trial
     int count_ = kShortest - 2;  ///< the first trial comes early
     int period_ = kShortest;
+    int agreeing_ = 0;
     Way best_, other_;  ///< in the last trial
 };
 
-/// Runs f, a time step, with its loops on all threads or on this one. f returns how much
-/// work there was, in any unit. A device has no such choice.
+/// Runs f, a time step, with its loops on all threads or on this one. f takes the number
+/// of threads and returns how much work there was, in any unit. A device, whose number is
+/// 0, has no such choice.
 template <class Exec, class F>
 void share_if_faster(SharingOfSteps& sharing, const F& f) {
-    if constexpr (!Exec::kIsDevice) {
-        if (Exec::threads() > 1) {
-            double seconds = 0.0;
-            double work = 0.0;
-            {
-                const AloneScope scope(!sharing.shared());
-                const PhaseTimer timer(seconds);
-                work = f();
-            }
-            sharing.took(seconds, work);
-            return;
+    if constexpr (Exec::kIsDevice) {
+        f(0);
+    } else if (Exec::threads() == 1) {
+        f(1);
+    } else {
+        const bool shared = sharing.shared();
+        double seconds = 0.0;
+        double work = 0.0;
+        {
+            const AloneScope scope(!shared);
+            const PhaseTimer timer(seconds);
+            work = f(shared ? Exec::threads() : 1);
         }
+        sharing.took(seconds, work);
     }
-    f();
 }
 
 }  // namespace noli

@@ -179,7 +179,7 @@ Team* Team::current() {
 }
 
 void Team::run_whole(int n, int grain, const void* f, Call each) {
-    if (alone_ || std::min(threads(), n / std::max(1, grain)) <= 1) {
+    if (AloneScope::active() || std::min(threads(), n / std::max(1, grain)) <= 1) {
         if (n > 0) each(f, 0, n);
         return;
     }
@@ -197,7 +197,7 @@ void Team::run_alone(const Batch& batch, int stages) {
 
 void Team::run_batch(const Batch& batch, int stages) {
     State& s = *state_;
-    if (alone_ || threads() == 1 || stages >= 1 << Open::kBits)
+    if (AloneScope::active() || threads() == 1 || stages >= 1 << Open::kBits)
         return run_alone(batch, stages);
     s.batch = batch;
     const Open loop{s.next << Open::kBits | static_cast<std::uint64_t>(stages)};

@@ -44,9 +44,6 @@ class Team {
 
     [[nodiscard]] int threads() const;
 
-    /// From now on loops are shared among all threads, or run by the leader alone.
-    void share(bool shared) { alone_ = !shared; }
-
     /// The team of the innermost scope on this thread, or null.
     static Team* current();
 
@@ -75,10 +72,10 @@ class Team {
 
     struct State;
     std::unique_ptr<State> state_;
-    bool alone_ = false;
 };
 
-/// While one that says so lives, CPU loops of this thread stay on it, and no team wakes.
+/// While one that says so lives, CPU loops of this thread stay on it, those of a team
+/// too, and no team wakes.
 class AloneScope {
   public:
     explicit AloneScope(bool alone) : before_(active()) { flag() = before_ || alone; }

@@ -203,15 +203,14 @@ class SweepCg {
     /// An iteration on all threads or on one, whichever is faster at present.
     template <class Exec>
     bool iterate_timed(Exec& exec, SweepProgress& at) {
-        Team* team = Team::current();
+        const Team* team = Team::current();
         if (team == nullptr || team->threads() == 1) return iterate(exec, at);
         double seconds = 0.0;
         bool positive = false;
         {
+            const AloneScope scope(!sharing_.shared());
             const PhaseTimer timer(seconds);
-            team->share(sharing_.shared());
             positive = iterate(exec, at);
-            team->share(true);
         }
         sharing_.took(seconds);
         return positive;

@@ -39,7 +39,8 @@ bool parse_row(std::string_view line, StatsEntry& row) {
     return parse(f[0], row.step) && parse(f[1], row.time) && parse(f[2], row.wall_s)
         && parse(f[3], row.newton) && parse(f[4], row.pcg) && parse(f[5], row.contacts)
         && parse(f[6], row.min_gap) && parse(f[8], row.intersections)
-        && parse(f[9], row.inversions) && parse(f[17], row.peak_mb);
+        && parse(f[9], row.inversions) && parse(f[17], row.peak_mb)
+        && parse(f[24], row.threads);
 }
 
 nlohmann::ordered_json iteration_json(int step, const IterationRecord& it) {
@@ -92,7 +93,7 @@ std::string stats_row(const StepReport& r,
                       std::optional<std::uint64_t> state_hash) {
     return fmt::format(
         "{},{:.17g},{:.6g},{},{},{},{:.17g},{:.17g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},"
-        "{:.6g},{:.6g},{:.6g},{},{:.17g},{},{:.6g},{:.6g},{:.6g}\n",
+        "{:.6g},{:.6g},{:.6g},{},{:.17g},{},{:.6g},{:.6g},{:.6g},{}\n",
         r.step,
         r.time,
         r.wall_s,
@@ -116,7 +117,8 @@ std::string stats_row(const StepReport& r,
         state_hash ? fmt::format("{:016x}", *state_hash) : "",
         r.t_elastic,
         r.t_barrier,
-        r.t_friction);
+        r.t_friction,
+        r.threads);
 }
 
 std::vector<StatsEntry> parse_stats(std::string_view text) {

@@ -19,7 +19,7 @@ namespace noli {
 inline constexpr std::string_view kStatsHeader =
     "step,t,wall_s,newton,pcg,contacts,min_gap,kappa,intersections,inversions,outcome,"
     "t_pairs,t_assemble,t_solve,t_ccd,t_search,t_output,peak_mb,"
-    "friction_updates,boundary_yield,state_hash,t_elastic,t_barrier,t_friction\n";
+    "friction_updates,boundary_yield,state_hash,t_elastic,t_barrier,t_friction,threads\n";
 
 /// A row of stats.csv, newline included. Quantities of the simulation have 17 digits, so
 /// that equal runs give equal text. Without a hash its column is empty.
@@ -36,6 +36,7 @@ struct StatsEntry {
     long intersections = -1, inversions = -1;
     std::string outcome;
     double peak_mb = 0.0;
+    int threads = 0;
 };
 
 /// Whole rows of the text of a stats.csv. Stops at the first row that is not whole.

@@ -217,6 +217,8 @@ void add_totals(Lines& lines, const std::vector<StatsEntry>& rows) {
     long contacts = 0;
     long intersections = -1;
     long inversions = -1;
+    long on_one = 0;
+    int threads = 0;
     for (const StatsEntry& row : rows) {
         wall += row.wall_s;
         newton += row.newton;
@@ -226,9 +228,17 @@ void add_totals(Lines& lines, const std::vector<StatsEntry>& rows) {
         peak = std::max(peak, row.peak_mb);
         intersections = std::max(intersections, row.intersections);
         inversions = std::max(inversions, row.inversions);
+        on_one += row.threads == 1 ? 1 : 0;
+        threads = std::max(threads, row.threads);
     }
     const auto steps = static_cast<double>(rows.size());
     lines.add("wall", "{:.3f} s, {:.4g} s a step", wall, wall / steps);
+    if (threads > 1)
+        lines.add("threads",
+                  "{}; {} of {} steps on one, which was faster or had to be tried",
+                  threads,
+                  on_one,
+                  rows.size());
     lines.add("newton",
               "{} iterations, {:.3g} a step; {} of pcg",
               newton,

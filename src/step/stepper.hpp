@@ -18,7 +18,7 @@ inline constexpr int kMaxFrictionUpdates =
     100;  ///< where friction_iterations = until convergence
 
 /// Up to here a step begins on one thread: with so few vertices more are seldom faster.
-inline constexpr int kFewVertices = 300;
+inline constexpr int kFewVertices = 120;
 /// Seconds of a Newton iteration that all threads shorten wherever the cores are.
 inline constexpr double kLongNewton = 1e-3;
 /// Of an iteration of PCG, in Newton iterations without it.
@@ -77,7 +77,8 @@ class Stepper {
     /// One step. On failure the state keeps the last iterate and the step does not count.
     StepReport step() {
         StepReport report;
-        share_if_faster<Exec>(sharing_, [&] {
+        share_if_faster<Exec>(sharing_, [&](int threads) {
+            report.threads = threads;
             take_step(report);
             return report.newton + kWorkOfPcg * report.pcg;
         });

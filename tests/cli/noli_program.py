@@ -10,7 +10,7 @@ import time
 import unittest
 
 BINARY = pathlib.Path(os.environ["NOLI_BINARY"]).resolve()
-TIMING_COLUMNS = {"wall_s", "t_pairs", "t_assemble", "t_solve", "t_ccd", "t_search", "t_output", "peak_mb",
+TIMING_COLUMNS = {"wall_s", "t_pairs", "t_assemble", "t_solve", "t_ccd", "t_search", "t_output", "peak_mb", "threads",
                   "t_elastic", "t_barrier", "t_friction"}
 STATS_COLUMNS = ("step,t,wall_s,newton,pcg,contacts,min_gap,kappa,intersections,inversions,outcome,"
                  "t_pairs,t_assemble,t_solve,t_ccd,t_search,t_output,peak_mb").split(",")

@@ -154,12 +154,11 @@ TEST(ShareIfFaster, RunsAStepTheWayThatIsAskedFor) {
         SharingOfSteps sharing(small, 1.0);
         for (int k = 0; k < 20; ++k) {
             const bool alone = !sharing.shared();
-            bool was_alone = false;
-            share_if_faster<TwoThreads>(sharing, [&was_alone] {
-                was_alone = AloneScope::active();
+            share_if_faster<TwoThreads>(sharing, [alone](int threads) {
+                EXPECT_EQ(AloneScope::active(), alone);
+                EXPECT_EQ(threads, alone ? 1 : 2);
                 return 1.0;
             });
-            EXPECT_EQ(was_alone, alone);
             EXPECT_FALSE(AloneScope::active());
         }
     }
@@ -167,19 +166,16 @@ TEST(ShareIfFaster, RunsAStepTheWayThatIsAskedFor) {
 
 TEST(ShareIfFaster, TriesNothingWhereThereIsNoChoice) {
     SharingOfSteps sharing(true, 1.0);
-    const auto tell = [](bool& was_alone) {
-        return [&was_alone] {
-            was_alone = AloneScope::active();
+    const auto expect = [](int expected) {
+        return [expected](int threads) {
+            EXPECT_EQ(threads, expected);
+            EXPECT_FALSE(AloneScope::active());
             return 1.0;
         };
     };
     for (int k = 0; k < 20; ++k) {
-        bool one = true;
-        bool device = true;
-        share_if_faster<OneThread>(sharing, tell(one));
-        share_if_faster<Device>(sharing, tell(device));
-        EXPECT_FALSE(one);
-        EXPECT_FALSE(device);
+        share_if_faster<OneThread>(sharing, expect(1));
+        share_if_faster<Device>(sharing, expect(0));
     }
     EXPECT_FALSE(sharing.shared());
 }

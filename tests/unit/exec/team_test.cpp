@@ -74,9 +74,10 @@ TEST_P(TeamOf, LeavesLoopsToItsLeaderWhenTheyAreNotShared) {
     Team team(GetParam());
     const TeamScope scope(team);
     std::vector<int> visits(1000, 0);
-    team.share(false);
-    EXPECT_EQ(run_loop(team, 1000, 1, visits), (std::vector<Range>{{0, 1000}}));
-    team.share(true);
+    {
+        const AloneScope alone(true);
+        EXPECT_EQ(run_loop(team, 1000, 1, visits), (std::vector<Range>{{0, 1000}}));
+    }
     EXPECT_EQ(run_loop(team, 1000, 1, visits).size(),
               static_cast<std::size_t>(GetParam()));
     EXPECT_EQ(std::count(visits.begin(), visits.end(), 2), 1000);
@@ -331,12 +332,11 @@ TEST_P(TeamOf, BeginsAStageWhenAllOfTheOneBeforeIsDone) {
 TEST_P(TeamOf, RunsStagesOnItsLeaderWhenTheyAreNotShared) {
     Team team(GetParam());
     const TeamScope scope(team);
-    team.share(false);
+    const AloneScope alone(true);
     CpuExec exec;
     for (const std::vector<int>& bounds : kStages)
         for (const bool back : {false, true})
             expect_stages_in_order(exec, bounds, back);
-    team.share(true);
 }
 
 /// 65,535 stages are the most that a loop counts; beyond, its leader runs it.

@@ -26,6 +26,7 @@ StepReport make_report(int step) {
     r.kappa = 1e9;
     r.wall_s = 0.25;
     r.peak_mb = 100.5;
+    r.threads = 2;
     IterationRecord iteration;
     iteration.iteration = 1;
     iteration.energy = std::numeric_limits<double>::quiet_NaN();
@@ -69,6 +70,7 @@ TEST(StatsRow, KeepsEveryBitOfQuantities) {
     EXPECT_EQ(rows[0].intersections, -1);
     EXPECT_EQ(rows[0].outcome, "Converged");
     EXPECT_EQ(rows[0].peak_mb, 100.5);
+    EXPECT_EQ(rows[0].threads, 2);
 }
 
 TEST(StatsRow, HoldsAnInfiniteGap) {
