@@ -113,6 +113,24 @@ TEST(SharingOfSteps, IsNotMisledByCostsThatGrow) {
     EXPECT_TRUE(sharing.shared());
 }
 
+TEST(SharingOfSteps, DoesNotChangeForOneStepThatWasHeldUp) {
+    SharingOfSteps sharing(false, 1.0);
+    int held_up = 0;
+    int alone = 0;
+    bool was_alone = false;
+    for (int k = 0; k < 40; ++k) {
+        const bool now_alone = !sharing.shared();
+        // The step after the first that went the other way: part of its trial.
+        const bool hold_up = was_alone && !now_alone && held_up == 0;
+        held_up += hold_up ? 1 : 0;
+        alone += now_alone ? 1 : 0;
+        sharing.took(hold_up ? 1e-2 : (now_alone ? 1.3e-4 : 1e-4), 1.0);
+        was_alone = now_alone;
+    }
+    EXPECT_EQ(held_up, 1);
+    EXPECT_LE(alone, 4);
+}
+
 TEST(SharingOfSteps, LooksAgainWhenTheWorkChanges) {
     SharingOfSteps sharing(false, 1.0);
     cost_over_best(sharing, 1000, [](int) { return StepCosts{2e-4, 1e-4}; });
