@@ -233,7 +233,7 @@ void add_totals(Lines& lines, const std::vector<StatsEntry>& rows) {
     }
     const auto steps = static_cast<double>(rows.size());
     lines.add("wall", "{:.3f} s, {:.4g} s a step", wall, wall / steps);
-    if (threads > 1)
+    if (threads > 1 && on_one > 0)
         lines.add("threads",
                   "{}; {} of {} steps on one, which was faster or had to be tried",
                   threads,

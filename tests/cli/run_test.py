@@ -39,6 +39,16 @@ class RunDirectory(ProgramTest):
         lines = [json.loads(line) for line in (run / "iterations.jsonl").read_text().splitlines()]
         self.assertEqual({line["step"] for line in lines}, {1, 2, 3, 4, 5, 6})
 
+    def test_tells_the_threads_of_each_step(self):
+        run = self.folder / "run"
+        self.expect(noli("run", self.scene, "-o", run, "--steps", 3, "--threads", 1), 0)
+        self.assertEqual([row["threads"] for row in rows_of(run)], ["1", "1", "1"])
+        self.assertNotIn("steps on one", self.expect(noli("info", run), 0).stdout)
+        table = run / "stats.csv"
+        text = table.read_text().removesuffix(",1\n") + ",2\n"  # as on two threads
+        table.write_text(text)
+        self.expect(noli("info", run), 0, "2; 2 of 3 steps on one")
+
     def test_frames_hold_the_motion(self):
         run = self.folder / "run"
         self.expect(noli("run", self.scene, "-o", run, "--steps", 4), 0)
