@@ -9,7 +9,12 @@ endif()
 enable_language(CUDA)
 # What ptxas says of registers and spills stays beside the object files: tools/check_ptxas.py.
 set(CMAKE_CUDA_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/tools/ptxas_launcher.sh)
+# CMake 3.25's module ends with an error where a toolkit of CUDA 12.9 or newer lacks a library that those no
+# longer have (nvToolsExt), but only in projects that ask for CMake 3.25.
+set(noli_minimum_cmake ${CMAKE_MINIMUM_REQUIRED_VERSION})
+set(CMAKE_MINIMUM_REQUIRED_VERSION 3.24)
 find_package(CUDAToolkit REQUIRED)
+set(CMAKE_MINIMUM_REQUIRED_VERSION ${noli_minimum_cmake})
 
 set_target_properties(noli_sim PROPERTIES CUDA_COMPILER_LAUNCHER ${CMAKE_CUDA_COMPILER_LAUNCHER})
 target_sources(noli_sim PRIVATE ${PROJECT_SOURCE_DIR}/src/sim/engine_cuda.cu)
