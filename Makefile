@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PRESET ?= release
 BUILD := build/$(PRESET)
 
-.PHONY: all help setup build demo test paper bench gpu-check format check clean
+.PHONY: all help setup build demo test paper bench cuda-toolkit gpu-check format check clean
 
 all: build
 
@@ -18,6 +18,7 @@ help:
 	@echo "             make paper FULL=1 takes hours. Results: out/paper"
 	@echo "make bench   kernels and whole scenes, timed against the memory bandwidth and a baseline in the"
 	@echo "             same run, about ten minutes; make bench FULL=1 takes hours. Results: out/bench"
+	@echo "make cuda-toolkit  where there is no nvcc: a CUDA toolkit from Python wheels, in build/cuda-toolkit"
 	@echo "make gpu-check  builds for this machine's NVIDIA GPU, compares it with the CPU, sanitizes and times it;"
 	@echo "             needs the CUDA toolkit, CMake and the libraries, but no package manager. Results: out/gpu"
 	@echo "make check   format, rooms and lint (what CI runs beside the tests)"
@@ -49,6 +50,9 @@ paper: $(BUILD)/build.ninja
 
 bench: $(BUILD)/build.ninja
 	@python3 bench/all.py --build $(BUILD) --jobs $(JOBS) $(if $(FULL),--full)
+
+cuda-toolkit:
+	@bash tools/cuda_toolkit.sh
 
 # No setup before it: the machine may have no package manager.
 gpu-check:

@@ -3,13 +3,17 @@
 # builds it on machines with nvcc and an NVIDIA GPU, because compiling the kernels takes minutes.
 set(NOLI_WITH_CUDA OFF)
 if(NOLI_CUDA)
-  # nvcc is often installed but not on the search path.
+  # nvcc is often installed but not on the search path; tools/cuda_toolkit.sh makes one where none is installed.
   if(CMAKE_CUDA_COMPILER)
     set(noli_nvcc "${CMAKE_CUDA_COMPILER}")
   elseif(DEFINED ENV{CUDACXX})
     set(noli_nvcc "$ENV{CUDACXX}")
   else()
-    find_program(NOLI_NVCC nvcc HINTS $ENV{CUDAToolkit_ROOT} $ENV{CUDA_PATH} /usr/local/cuda PATH_SUFFIXES bin)
+    set(NOLI_CUDA_TOOLKIT "${CMAKE_CURRENT_LIST_DIR}/../build/cuda-toolkit" CACHE PATH
+        "Toolkit made by tools/cuda_toolkit.sh, where no other is installed")
+    mark_as_advanced(NOLI_CUDA_TOOLKIT)
+    find_program(NOLI_NVCC nvcc HINTS $ENV{CUDAToolkit_ROOT} $ENV{CUDA_PATH} /usr/local/cuda
+      PATHS ${NOLI_CUDA_TOOLKIT} PATH_SUFFIXES bin)
     mark_as_advanced(NOLI_NVCC)
     set(noli_nvcc "${NOLI_NVCC}")
   endif()
@@ -34,8 +38,8 @@ if(NOLI_CUDA)
   elseif(noli_nvcc)
     set(NOLI_WITH_CUDA ON)
   else()
-    message(FATAL_ERROR "NOLI_CUDA needs nvcc, which is neither on the search path nor in "
-      "/usr/local/cuda/bin: install the CUDA toolkit, or set CUDACXX to its nvcc")
+    message(FATAL_ERROR "NOLI_CUDA needs nvcc, which is neither on the search path nor in /usr/local/cuda/bin: "
+      "install the CUDA toolkit, set CUDACXX to its nvcc, or make a toolkit with tools/cuda_toolkit.sh")
   endif()
 endif()
 if(NOLI_WITH_CUDA)

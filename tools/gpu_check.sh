@@ -44,8 +44,10 @@ missing=()
 command -v cmake >/dev/null || missing+=("cmake (3.25 or later)")
 command -v "${CXX:-g++}" >/dev/null || missing+=("${CXX:-g++} (a C++20 compiler)")
 nvcc=${CUDACXX:-$(command -v nvcc || true)}
-[ -n "$nvcc" ] || { [ -x /usr/local/cuda/bin/nvcc ] && nvcc=/usr/local/cuda/bin/nvcc; }
-[ -n "$nvcc" ] && [ -x "$nvcc" ] || missing+=("nvcc (the CUDA toolkit; CUDACXX names it)")
+for place in /usr/local/cuda "$PWD/build/cuda-toolkit"; do
+    [ -n "$nvcc" ] || { [ -x "$place/bin/nvcc" ] && nvcc=$place/bin/nvcc; }
+done
+[ -n "$nvcc" ] && [ -x "$nvcc" ] || missing+=("nvcc (the CUDA toolkit; CUDACXX names it, tools/cuda_toolkit.sh makes one)")
 command -v python3 >/dev/null || missing+=("python3")
 generator="Unix Makefiles"
 if command -v ninja >/dev/null; then generator=Ninja; elif ! command -v make >/dev/null; then missing+=("ninja or make"); fi
