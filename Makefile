@@ -6,7 +6,7 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PRESET ?= release
 BUILD := build/$(PRESET)
 
-.PHONY: all help setup build demo test paper bench cuda-toolkit gpu-check format check clean
+.PHONY: all help setup build demo test accuracy paper bench cuda-toolkit gpu-check format check clean
 
 all: build
 
@@ -14,6 +14,7 @@ help:
 	@echo "make demo    build, simulate scenes/demo.json, say where the results are"
 	@echo "make test    build and run all tests"
 	@echo "make build   the program, as build/release/noli"
+	@echo "make accuracy  scenes with known answers at default settings: what is right, and by how much"
 	@echo "make paper   every table and figure of the GIPC supplement, a subset in under 20 minutes;"
 	@echo "             make paper FULL=1 takes hours. Results: out/paper"
 	@echo "make bench   kernels and whole scenes, timed against the memory bandwidth and a baseline in the"
@@ -41,6 +42,14 @@ demo: build
 test: $(BUILD)/build.ninja
 	@cmake --build --preset $(PRESET) -j $(JOBS)
 	@ctest --preset $(PRESET) -j $(JOBS)
+
+# Scenes with known answers, a covering set or, with FULL=1, all of the grid.
+accuracy: $(BUILD)/build.ninja
+	@cmake --preset $(PRESET) -DNOLI_ACCURACY=ON >/dev/null
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target accuracy
+	@mkdir -p out && rm -f out/accuracy.txt
+	@ACCURACY_OUT=$(CURDIR)/out/accuracy.txt FULL=$(FULL) $(BUILD)/tests/accuracy --gtest_brief=1
+	@python3 tests/accuracy/table.py out/accuracy.txt
 
 # The distribution's Python: it has the packages that setup installs.
 paper: $(BUILD)/build.ninja

@@ -24,7 +24,8 @@ import machine
 sys.path.insert(0, str(machine.ROOT / "paper"))
 import runs  # noqa: E402
 
-BASELINE = {"contact": {"model": "ipc"}, "solver": {"linear": "cholmod"}}
+BASELINE = {"contact": {"model": "ipc", "friction_hessian": "newton"},
+            "solver": {"linear": "cholmod", "projection": "always", "start": "last"}}
 OWN_CONTACT = dict.fromkeys(("hessian", "mollifier", "barrier_exponent", "strengthen"))
 BASELINE_TETS = 40_000  # larger scenes have no baseline
 MANY_TETS = 100_000     # larger scenes are run once and on all threads only

@@ -162,7 +162,7 @@ def main():
         drawn = []
         for title, scene in of.items():
             name = f"{figure}-{scene['name']}"
-            done = runs.run(arguments.noli, scene, name, arguments.work, 60, 60,
+            done = runs.run(arguments.noli, runs.as_in_paper(scene), name, arguments.work, 60, 60,
                             options=["--verify", "--frames-every", "1", "--format", "obj"])
             record = runs.record(arguments.work / name)
             hits = sum(int(row["intersections"]) for row in done.rows)

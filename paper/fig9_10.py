@@ -33,7 +33,7 @@ def measure(arguments, name, scene, steps, mu, model):
     scene = runs.merged(runs.merged(with_friction(scene, mu), {"contact": fresh}),
                         {"contact": MODELS[model]})
     label = f"friction-{name}-{mu:g}-{model}"
-    done = runs.run(arguments.noli, scene, label, arguments.work, steps, arguments.timeout,
+    done = runs.run(arguments.noli, runs.as_in_paper(scene), label, arguments.work, steps, arguments.timeout,
                     threads=os.cpu_count())
     print(f"{label}: {done.count()} iterations, {done.wall_s:.1f} s", flush=True)
     return done

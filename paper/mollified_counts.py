@@ -41,7 +41,7 @@ def main():
 
     def execute(job):
         name, steps, hessian, variant, nudge, scene = job
-        done = runs.run(arguments.noli, scene, f"mollified-{name}-{hessian}-{variant}-{nudge}",
+        done = runs.run(arguments.noli, runs.as_in_paper(scene), f"mollified-{name}-{hessian}-{variant}-{nudge}",
                         arguments.work, steps, arguments.timeout)
         return (name, hessian, variant), done.ended or str(done.newton)
 

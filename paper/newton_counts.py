@@ -60,7 +60,7 @@ def study(noli, folder, names, nudges, timeout, workers):
 
     def execute(job):
         name, kind, steps, model, solver, nudge, label, scene = job
-        done = runs.run(noli, scene, label, folder, steps, timeout)
+        done = runs.run(noli, runs.as_in_paper(scene), label, folder, steps, timeout)
         return {"scene": name, "class": kind, "steps": steps, "model": model, "solver": solver,
                 "nudge": nudge, "newton": done.newton, "pcg": done.pcg, "ended": done.ended,
                 "contacts": done.contacts, "min_gap": done.min_gap, "wall_s": round(done.wall_s, 3),

@@ -75,7 +75,7 @@ def measure(arguments, case, scene, steps, models, printed):
 
     def execute(model):
         label = f"{case} {model}".replace(" ", "_")
-        done = runs.run(arguments.noli, under(model, scene), label, arguments.work, steps,
+        done = runs.run(arguments.noli, runs.as_in_paper(under(model, scene)), label, arguments.work, steps,
                         arguments.timeout, threads=threads)
         row = row_of(case, model, done, printed)
         print(f"{label}: #i {row['#i']:.2f} {done.ended} {done.wall_s:.1f} s", flush=True)

@@ -31,7 +31,7 @@ class Study:
         label = "-".join(f"{k}_{v:g}" if isinstance(v, float) else f"{k}_{v}"
                          for k, v in {**contact, **solver}.items())
         scene = runs.merged(self.scene, {"contact": contact, "solver": {**solver, "max_newton": 3000}})
-        done = runs.run(self.arguments.noli, scene, label, self.arguments.work, self.arguments.steps,
+        done = runs.run(self.arguments.noli, runs.as_in_paper(scene), label, self.arguments.work, self.arguments.steps,
                         self.arguments.timeout, options=["--iteration-log"])
         gradient = self.final_gradient(self.arguments.work / label / "run", scene)
         print(f"{label}: {done.count()} iterations, gradient {gradient:.2e}", flush=True)

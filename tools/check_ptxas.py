@@ -44,7 +44,7 @@ HOT = {
     "fill_mollified_terms MollifiedHessian 0 Doubles 1": "mollified terms, two_mode",
     "fill_mollified_terms MollifiedHessian 1 Doubles 1": "mollified terms, four_mode",
     "fill_mollified_terms MollifiedHessian 2 Doubles 1": "mollified terms, exact",
-    "fill_plane_terms": "half-space terms",
+    "fill_wall_terms": "half-space terms",
     "fill_friction_terms": "friction terms",
     "pair_energy_sum Doubles 1": "barrier energy",
     "mollified_energy_sum Doubles 1": "mollified energy",

@@ -9,7 +9,7 @@ ROOMS = {  # room: rooms it may include (itself and include/noli/ are always all
     "energy": ["core", "geometry"],
     "mesh": ["core"],
     "scene": ["core", "mesh"],
-    "model": ["core", "exec", "mesh", "energy"],
+    "model": ["core", "exec", "mesh", "geometry", "energy"],
     "contact": ["core", "exec", "geometry"],
     "linear": ["core", "exec"],
     "objective": ["core", "exec", "geometry", "energy", "model", "contact", "linear"],

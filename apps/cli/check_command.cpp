@@ -38,19 +38,24 @@ void print_intersections(const VerifyReport& report) {
     constexpr size_t kListed = 20;
     for (size_t i = 0; i < std::min(report.intersections.size(), kListed); ++i) {
         const ExactIntersection& it = report.intersections[i];
+        const std::string what =
+            it.edge[0] == it.edge[1]
+                ? fmt::format("vertex {} of {} lies on", it.edge[0], it.body_a)
+                : fmt::format(
+                    "edge {} {} of {} goes through", it.edge[0], it.edge[1], it.body_a);
         print_error(
             fmt::format("{:.6g} {:.6g} {:.6g}", it.place[0], it.place[1], it.place[2]),
-            fmt::format("edge {} {} of {} goes through triangle {} {} {} of {}",
-                        it.edge[0],
-                        it.edge[1],
-                        it.body_a,
+            fmt::format("{} triangle {} {} {} of {}",
+                        what,
                         it.triangle[0],
                         it.triangle[1],
                         it.triangle[2],
                         it.body_b));
     }
-    const int more = report.num_intersections
-                   - static_cast<int>(std::min(report.intersections.size(), kListed));
+    int more = report.num_intersections - (report.too_close.empty() ? 0 : 1)
+             - static_cast<int>(std::min(report.intersections.size(), kListed));
+    for (const BeyondWall& at : report.beyond_walls)  // said among the findings
+        more -= static_cast<int>(at.vertices.size());
     if (more > 0) print_error("", fmt::format("and {} more intersections", more));
 }
 

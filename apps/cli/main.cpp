@@ -36,8 +36,8 @@ constexpr const char* kRunFooter = R"(Examples:
   noli run x.txt --verify --threads 2        an IPC script, every step tested exactly
   noli run drop.json --format vtu,obj --frames-every 5
 
-Ctrl-C (or SIGTERM) finishes the step, writes a checkpoint and says how to go on; a second one
-stops at once. A run killed at any moment goes on from its last checkpoint, bit for bit.)";
+Ctrl-C (or SIGTERM) gives up the step within a Newton iteration, writes a checkpoint of the step
+before and says how to go on; a second one stops at once. A run killed at any moment goes on from its last checkpoint, bit for bit.)";
 
 void add_run_output_options(CLI::App& run, RunArguments& a) {
     const char* kGroup = "Output";
@@ -117,8 +117,8 @@ void add_run_scene_options(CLI::App& run, RunArguments& a) {
         ->group(kGroup);
     run.add_option("--friction-iterations",
                    a.friction_iterations,
-                   "Friction updates per step; 0 = until convergence")
-        ->check(CLI::NonNegativeNumber)
+                   "Friction updates per step; 0 = until convergence, -1 = as needed")
+        ->check(CLI::Range(kFrictionAsNeeded, 1'000'000))
         ->group(kGroup);
 }
 

@@ -5,6 +5,7 @@
 #include "progress.hpp"
 #include "terminal.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -22,14 +23,14 @@ std::atomic<bool> stop_requested{false};
 std::atomic<int> stop_signal{0};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// First signal: finish the step, write a checkpoint, say how to resume. Second: stop at
-/// once.
+/// First signal: give the step up, write a checkpoint of the one before, say how to
+/// resume. Second: stop at once.
 extern "C" void on_stop_signal(int number) {
     if (stop_requested.exchange(true)) ::_exit(kSignalled + number);
     stop_signal = number;
     constexpr std::string_view kText =
-        "\nnote: finishing this step and writing a checkpoint; once more to stop at "
-        "once\n";
+        "\nnote: stopping in this step and writing a checkpoint of the one before; once "
+        "more to stop at once\n";
     static_cast<void>(!::write(STDERR_FILENO, kText.data(), kText.size()));
 }
 
@@ -89,6 +90,19 @@ void apply_overrides(const RunArguments& a, Scene& scene) {
     override_by_name(a.contact_hessian, scene.contact.hessian);
     override_by_name(a.mollifier, scene.contact.mollifier);
     override_by_name(a.integrator, scene.solver.integrator);
+}
+
+/// The first few; `noli check` has them all.
+void print_warnings(const std::vector<Finding>& warnings, const std::string& scene) {
+    constexpr std::size_t kSaid = 3;
+    const std::size_t said = std::min(kSaid, warnings.size());
+    for (std::size_t k = 0; k < said; ++k)
+        print_warning(warnings[k].where, warnings[k].message);
+    if (warnings.size() > said)
+        print_warning(
+            "scene",
+            fmt::format(
+                "{} more warnings: noli check {}", warnings.size() - said, scene));
 }
 
 void print_start(const Resolved& r, const std::string& directory, int first, int last) {
@@ -171,6 +185,9 @@ int run_command(const RunArguments& arguments) {
     options.on_start = [&](const Resolved& resolved, int first, int last) {
         if (!arguments.quiet) print_start(resolved, places.directory, first, last);
         progress.start(first, last);
+    };
+    options.on_warnings = [&](const std::vector<Finding>& found) {
+        print_warnings(found, places.scene);
     };
     options.on_step = [&](const StepReport& report) { progress.step(report); };
     options.on_note = [&](const std::string& text) {

@@ -79,6 +79,7 @@ struct BoxProblem {
     PairSet<CpuExec> no_pairs;
     ContactLaw law;
     std::vector<Vec3d> x, b;
+    std::vector<double> weight;  ///< of inertia
     std::vector<std::uint8_t> fixed;
 
     explicit BoxProblem(int num_tets) {
@@ -95,10 +96,12 @@ struct BoxProblem {
             x[v] = fixed[v] != 0 ? model.x0[v] : model.x0[v] + x[v];
         }
         b = noise(model.num_vertices, 1.0, 2);
+        weight.assign(model.x0.size(), 1.0);
         objective->begin_step(exec,
                               StepScales{.h_sq = 1e-4},
                               view(model.x0),
                               view(model.x0),
+                              {weight.data(), model.num_vertices},
                               {fixed.data(), model.num_vertices});
         assemble(exec);
     }

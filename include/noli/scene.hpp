@@ -69,6 +69,9 @@ struct PathKey {
     Vector3 rotation_deg{};  ///< about the centre of the selection, Rx Ry Rz
 };
 
+/// All three of the bits 1 x, 2 y, 4 z.
+inline constexpr int kAllAxes = 7;
+
 /// A condition on some vertices of one body, active while t_begin <= step start time <
 /// t_end.
 struct BoundaryCondition {
@@ -91,6 +94,8 @@ struct BoundaryCondition {
     std::vector<std::string> sequence;  ///< files, one per step
     double t_begin = 0.0;               ///< s
     double t_end = kForever;            ///< s
+    /// Which coordinates are prescribed, as bits; the others are free. Not of loads.
+    int axes = kAllAxes;
 
     /// Ends the condition for good at the first step that starts with every vertex of
     /// `body` (or of the selection) beyond `value` along `axis`.
@@ -129,8 +134,20 @@ struct HalfSpace {
     double friction = 0.0;
 };
 
-/// Overrides for one pair of bodies (or a body and a half-space), by name; "*" matches
-/// all.
+/// The inside of a sphere or of an infinite cylinder: what is outside is forbidden.
+struct Container {
+    enum class Shape { Sphere, Cylinder };
+
+    std::string name;
+    Shape shape = Shape::Sphere;
+    Vector3 center{};       ///< m; Cylinder: any point of the axis
+    double radius = 1.0;    ///< m, > 0
+    Vector3 axis{0, 1, 0};  ///< Cylinder: its direction; need not be unit
+    double friction = 0.0;
+};
+
+/// Overrides for one pair of bodies (or a body and a half-space or container), by name;
+/// "*" matches all.
 struct ContactPairRule {
     std::string a, b;
     std::optional<double> friction;
@@ -141,9 +158,20 @@ struct ContactPairRule {
 enum class ContactFormulation { Gipc, Ipc };
 enum class ContactModel { Gn, GnPlus, Exact, Numeric };
 enum class MollifierModel { TwoMode, FourMode, Exact };
+/// PrimalDual keeps friction that turns about from halving the steps of Newton's method.
+enum class FrictionHessian { PrimalDual, Newton };
 enum class Integrator { ImplicitEuler, Bdf2, Newmark };
 enum class LinearSolver { Pcg, Cholmod, BlockJacobi, IncompleteCholesky };
 enum class ContactProduct { Modes, Warp };
+/// Of elastic Hessians: element by element where the exact one is not positive definite,
+/// or always.
+enum class HessianProjection { OnDemand, Always };
+/// Where Newton's method starts: where the last two steps lead, or where the bodies are.
+enum class NewtonStart { Extrapolated, Last };
+
+/// ContactSettings::friction_iterations: as often as the forces ask for, four times at
+/// most.
+inline constexpr int kFrictionAsNeeded = -1;
 
 struct ContactSettings {
     bool enabled = true;
@@ -162,8 +190,12 @@ struct ContactSettings {
     double epsv = 1e-3;  ///< static friction speed; relative to the diagonal per second
                          ///< unless absolute
     bool epsv_absolute = false;
-    int friction_iterations = 1;  ///< lag updates per step; 0 = until convergence
-    double min_separation = 0.0;  ///< m, kept by the collision step bound
+    /// Lag updates per step; 0 = until convergence, kFrictionAsNeeded = again while a
+    /// body's friction force changes by more than `friction_tolerance`.
+    int friction_iterations = kFrictionAsNeeded;
+    FrictionHessian friction_hessian = FrictionHessian::PrimalDual;
+    double friction_tolerance = 0.05;  ///< relative change of a body's friction force
+    double min_separation = 0.0;       ///< m; barriers begin at dhat beyond it
     /// After several short steps move the solve to a stronger contact Hessian.
     bool strengthen = true;
     std::vector<ContactPairRule> pairs;
@@ -171,7 +203,7 @@ struct ContactSettings {
 
 struct DampingSettings {
     double mass = 0.0;       ///< Rayleigh alpha, 1/s
-    double stiffness = 0.0;  ///< Rayleigh beta, s; lagged at the start of the step
+    double stiffness = 0.0;  ///< viscosity (Rayleigh beta), s: damps no rotation
 };
 
 struct SolverSettings {
@@ -179,13 +211,18 @@ struct SolverSettings {
     double newmark_beta = 0.25;
     double newmark_gamma = 0.5;
     double tolerance =
-        1e-2;  ///< Newton: stop at max|p| < tolerance * diagonal * dt (relative)
+        1e-3;  ///< Newton: stop at max|p| < tolerance * diagonal * dt (relative)
+    /// And when no gap of an active pair would change by more than this share any more;
+    /// 0 = do not ask.
+    double gap_tolerance = 0.03;
     /// If > 0, Newton stops at max|g| <= gradient_tolerance * diagonal * dt^2 instead.
     double gradient_tolerance = 0.0;
     bool tolerance_absolute = false;  ///< then max|p| < tolerance * dt, tolerance in m/s
     std::vector<double>
         tolerance_per_step;  ///< overrides `tolerance` for step k; the last one repeats
     int max_newton = 1000;
+    HessianProjection projection = HessianProjection::OnDemand;
+    NewtonStart start = NewtonStart::Extrapolated;
     LinearSolver linear = LinearSolver::Pcg;
     /// How conjugate gradients apply contacts. Warp: as the supplement does.
     ContactProduct contact_product = ContactProduct::Modes;
@@ -215,6 +252,7 @@ struct Scene {
               ///< all elastic bodies at the start
     std::vector<Body> bodies;
     std::vector<HalfSpace> half_spaces;
+    std::vector<Container> containers;
     ContactSettings contact;
     DampingSettings damping;
     SolverSettings solver;

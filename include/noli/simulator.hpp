@@ -40,6 +40,7 @@ enum class Outcome {
     BoundaryBlocked,     ///< a prescribed motion runs into something that cannot give way
     Intersecting,        ///< --verify found an intersection or an inversion (a bug)
     DeviceFailed,        ///< the GPU ran out of memory or no longer answers
+    Cancelled,           ///< stopped on request; the state is that of before the step
 };
 const char* to_string(Outcome outcome);
 
@@ -78,6 +79,12 @@ struct StepReport {
     double kappa = 0.0;    ///< J/m^4
     double boundary_yield =
         0.0;  ///< m that blocked prescribed vertices stayed short of their targets
+    /// How far the end of the step was from its tolerances: max|p| over tolerance * dt,
+    /// relative change of a gap, relative change of a body's friction force.
+    double direction_ratio = 0.0, gap_change = 0.0, lag_change = 0.0;
+    /// With SimulatorOptions::verify: the largest of Simulator::net_forces, N and N m; -1
+    /// = not looked at.
+    double net_force = -1.0, net_torque = -1.0;
     int intersections = -1;  ///< exact test; -1 = not tested
     int inversions = -1;
     double wall_s = 0.0;
@@ -97,7 +104,8 @@ struct Topology {
     std::span<const std::array<int, 2>> segments;   ///< of codimensional obstacles
     std::span<const int> body_of_vertex;
     std::span<const std::string> body_names;
-    std::span<const double> mass;  ///< lumped, per vertex, kg; 0 for obstacles
+    std::span<const double> mass;       ///< lumped, per vertex, kg; 0 for obstacles
+    std::span<const int> unreferenced;  ///< vertices without an element, ascending
 };
 
 /// Fields of the current state, in the order of the vertices of all bodies (mesh-file
@@ -108,6 +116,11 @@ struct Fields {
     std::vector<std::array<double, 9>> stress;  ///< per tet, Cauchy, row-major, Pa
 };
 
+/// What a step has left unbalanced on a body: N, and N m about its centre of mass.
+struct NetForce {
+    Vector3 force{}, torque{};
+};
+
 struct ExactIntersection {
     std::array<int, 2> edge;
     std::array<int, 3> triangle;
@@ -115,10 +128,24 @@ struct ExactIntersection {
     std::string body_a, body_b;
 };
 
+/// Vertices of one body that are where one half-space or container forbids them to be.
+struct BeyondWall {
+    std::string body;
+    std::string wall;           ///< "half-space "floor"" or "container "drum""
+    std::vector<int> vertices;  ///< ascending
+    int deepest;                ///< the vertex that is deepest
+    double depth;               ///< m, >= 0
+    Vector3 place;              ///< where the deepest is
+    std::string message;        ///< all of this in words, with a cure
+};
+
 struct VerifyReport {
-    std::vector<ExactIntersection>
-        intersections;  ///< edge through triangle; at most 1000 listed
-    int num_intersections = 0;
+    /// Edge through triangle, or a vertex (given twice) on one; at most 1000 listed.
+    std::vector<ExactIntersection> intersections;
+    std::vector<BeyondWall> beyond_walls;
+    /// With contact.min_separation: two things that are no farther apart, in words.
+    std::string too_close;
+    int num_intersections = 0;  ///< of all three kinds: a vertex counts once per wall
     std::vector<int> inverted_tets;
     int num_inversions = 0;
 };
@@ -131,11 +158,20 @@ struct Resolved {
     double tolerance = 0.0;  ///< m/s
     std::string device;      ///< "CPU, 2 threads, AVX-512" or the GPU's name
     bool on_gpu = false;
-    std::string device_note;    ///< why that device, when "auto"
-    std::string linear_solver;  ///< and why that one
+    std::string device_note;             ///< why that device, when "auto"
+    std::string linear_solver;           ///< and why that one
+    std::vector<SceneWarning> warnings;  ///< of the meshes and the conditions
     double estimated_mb = 0.0;
     double total_mass = 0.0;
     int num_vertices = 0, num_tets = 0, num_triangles = 0, num_bodies = 0;
+};
+
+/// Something wrong, or probably not meant, before the first step.
+struct Finding {
+    enum class Severity { Error, Warning, Note };
+    Severity severity = Severity::Note;
+    std::string where;
+    std::string message;
 };
 
 /// Owns the state of one simulation. Movable, not copyable.
@@ -151,7 +187,14 @@ class Simulator {
 
     /// Advances by one time step. Never throws; a step that could not finish leaves the
     /// state at the last intersection-free iterate and says so in its outcome.
-    StepReport step();
+    ///
+    /// `stop` may be set by another thread or a signal handler, and is looked at between
+    /// Newton iterations and between those of conjugate gradients. Once it is set the
+    /// step ends as Cancelled and the state is that of before it, bit for bit (`save`,
+    /// `state_hash`, positions); the contact forces of `fields` are then those of that
+    /// state without friction, until the next step. A step that is as good as done may
+    /// still converge.
+    StepReport step(const std::atomic<bool>* stop = nullptr);
 
     [[nodiscard]] int steps_done() const;
     [[nodiscard]] double time() const;
@@ -164,6 +207,11 @@ class Simulator {
     /// Exact test of the current state for intersections and inverted tetrahedra.
     [[nodiscard]] VerifyReport verify() const;
 
+    /// What `check_scene` finds in the scene as it starts, besides intersections,
+    /// obstacles that overlap each other, and estimates: errors, then warnings, then
+    /// notes. The start must be free of intersections.
+    [[nodiscard]] std::vector<Finding> findings() const;
+
     /// Hash of the complete state (positions, velocities, stiffness, step); equal on
     /// equal states.
     [[nodiscard]] std::uint64_t state_hash() const;
@@ -171,6 +219,11 @@ class Simulator {
     /// The complete state as bytes; `restore` continues bitwise as if never stopped.
     [[nodiscard]] std::vector<std::byte> save() const;
     Status restore(std::span<const std::byte> bytes);
+
+    /// Per body, sums of the forces that the last step left unbalanced; 0 of obstacles
+    /// and of bodies with prescribed vertices. Over mass and times dt they are an error
+    /// of the velocity, at most about the tolerance.
+    [[nodiscard]] std::vector<NetForce> net_forces();
 
     /// Kinetic, elastic and potential energy (J), momenta about the origin (kg m/s, kg
     /// m^2/s).
@@ -196,11 +249,14 @@ struct RunOptions {
     SimulatorOptions simulator;
     std::function<void(const Resolved&, int first_step, int last_step)> on_start;
     std::function<void(const StepReport&)> on_step;
+    /// Warnings about the scene before its first step (none where a run is resumed); what
+    /// would be an error for `check_scene` is one for run_scene.
+    std::function<void(const std::vector<Finding>&)> on_warnings;
     /// Things worth saying that are not errors: damaged checkpoints skipped, where a
     /// resume starts.
     std::function<void(const std::string&)> on_note;
     const std::atomic<bool>* stop =
-        nullptr;  ///< set it to finish the step, write a checkpoint and return
+        nullptr;  ///< set it to give the step up, write a checkpoint and return
 };
 
 struct RunSummary {
@@ -218,13 +274,6 @@ struct RunSummary {
 /// Runs a scene into a directory (docs/frame-format.md): frames, stats.csv, checkpoints,
 /// log.
 Result<RunSummary> run_scene(const Scene& scene, const RunOptions& options);
-
-struct Finding {
-    enum class Severity { Error, Warning, Note };
-    Severity severity = Severity::Note;
-    std::string where;
-    std::string message;
-};
 
 /// Everything wrong before the first frame.
 struct CheckReport {

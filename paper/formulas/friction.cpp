@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "energy/friction.hpp"
-
+#include "energy/friction_hessian.hpp"
 #include "tables.hpp"
 
 #include <Eigen/Dense>

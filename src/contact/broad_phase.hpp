@@ -17,9 +17,9 @@
 #include "contact/collision_mesh.hpp"
 #include "contact/mesh_trees.hpp"
 #include "contact/moving_box.hpp"
-#include "contact/plane_search.hpp"
 #include "contact/pool_query.hpp"
 #include "contact/query_reach.hpp"
+#include "contact/wall_search.hpp"
 
 namespace noli {
 
@@ -77,13 +77,13 @@ class BroadPhase {
               double gap,
               Candidates<Exec>& out) {
         const CollisionMeshView m = mesh.view();
-        const detail::VertexPlaneSearch planes{m, motion, gap};
-        plane_pairs_.start(exec, planes);
+        const detail::VertexWallSearch walls{m, motion, gap};
+        wall_pairs_.start(exec, walls);
         if (motion.p.size > 0)
             find_pairs_of<MovingBox>(exec, m, motion, gap, out);
         else
             find_pairs_of<StaticBox>(exec, m, motion, gap, out);
-        plane_pairs_.finish(exec, planes, out.vertex_plane);
+        wall_pairs_.finish(exec, walls, out.vertex_wall);
     }
 
   private:
@@ -232,9 +232,9 @@ class BroadPhase {
     }
 
     MeshTrees<Exec> trees_;
-    detail::PlanePairs<Exec> plane_pairs_;
+    detail::WallPairs<Exec> wall_pairs_;
 
-    Candidates<Exec> pool_;        ///< its planes stay empty
+    Candidates<Exec> pool_;        ///< its walls stay empty
     Candidates<Exec> near_, far_;  ///< pairs of the pool, and those with far primitives
     PoolRange range_{};
     QueryReach reach_;

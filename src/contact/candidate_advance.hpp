@@ -10,6 +10,7 @@
 #include "exec/lanes.hpp"
 #include "geometry/ccd.hpp"
 #include "geometry/free_motion.hpp"
+#include "geometry/wall_motion.hpp"
 
 #include <cmath>
 
@@ -17,11 +18,11 @@ namespace noli {
 
 /// A step that is safe for every candidate, and the pair that limits it.
 struct StepBound {
-    enum class Limit { None, VertexTriangle, EdgeEdge, Plane, NotFinite };
+    enum class Limit { None, VertexTriangle, EdgeEdge, Wall, NotFinite };
 
     double alpha;  ///< in [0, alpha_max]; all of it without a limit
     Limit limit;   ///< which list of candidates the limiting pair is from
-    /// Its vertices: vertex and triangle; both edges; vertex, plane index, -1, -1;
+    /// Its vertices: vertex and triangle; both edges; vertex, wall index, -1, -1;
     /// NotFinite: vertex, -1, -1, -1; else all -1.
     Int4 vertices;
     bool capped;  ///< its iteration cap was reached: alpha is safe, but may be short
@@ -39,8 +40,8 @@ struct CandidateMotion {
 
     [[nodiscard]] NOLI_HD StepBound::Limit list_of(int i) const {
         if (candidates.is_vertex_triangle(i)) return StepBound::Limit::VertexTriangle;
-        return candidates.is_plane(i) ? StepBound::Limit::Plane
-                                      : StepBound::Limit::EdgeEdge;
+        return candidates.is_wall(i) ? StepBound::Limit::Wall
+                                     : StepBound::Limit::EdgeEdge;
     }
     /// First candidate of a list.
     [[nodiscard]] int begin_of(StepBound::Limit list) const {
@@ -53,12 +54,9 @@ struct CandidateMotion {
     template <StepBound::Limit List, class Stage>
     [[nodiscard]] NOLI_HD Advance advance(int i, double t_max, Stage& stage) const {
         const Int4 v = candidates.vertices(i);
-        if constexpr (List == StepBound::Limit::Plane) {
-            const CollisionMesh::Plane& plane = candidates.mesh.planes[v[1]];
-            const double distance =
-                plane_distance(plane, x[v[0]]) - params.min_separation;
-            return advance_half_space(
-                distance, dot(plane.normal, p[v[0]]), params.slack, t_max);
+        if constexpr (List == StepBound::Limit::Wall) {
+            return advance_wall(
+                candidates.mesh.walls[v[1]], x[v[0]], p[v[0]], t_max, params);
         }
         const Stencil<4> from = stencil_at(x, v);
         const Stencil<4> along = stencil_at(p, v);
@@ -185,7 +183,7 @@ void advance_candidates(Exec& exec,
     const int first = (begin + sample.stride - 1) / sample.stride;
     const int n = (end + sample.stride - 1) / sample.stride - first;
     const SampleAdvance<List, How> one{motion, sample, first, motion_end, advances};
-    if constexpr (Exec::kIsDevice || List == StepBound::Limit::Plane)
+    if constexpr (Exec::kIsDevice || List == StepBound::Limit::Wall)
         advance_list(exec, n, one);
     else
         exec.for_lanes("contact/advance_lanes", n, SampleAdvanceKernel<List, How>{one});

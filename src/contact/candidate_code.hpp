@@ -13,7 +13,7 @@ namespace noli::detail {
 
 /// The lists of a PairSet, in order; then candidates for which doubles did not suffice
 /// (geometry/stages.hpp), which are counted like a list.
-enum class PairList : int { PP, PE, PT, EE, Mollified, Plane, Undecided, None };
+enum class PairList : int { PP, PE, PT, EE, Mollified, Wall, Undecided, None };
 inline constexpr int kNumPairLists = 6;
 inline constexpr int kNumCounts = 7;
 
@@ -42,31 +42,31 @@ NOLI_HD inline int stencil_size(PairKind kind) {
     return kind == PairKind::PointEdge ? 3 : 4;
 }
 
-/// Candidates, numbered through as vertex-triangle, edge-edge, vertex-plane.
+/// Candidates, numbered through as vertex-triangle, edge-edge, vertex-wall.
 struct CandidateView {
     CollisionMeshView mesh;
     View<const Int2> vertex_triangle;
     View<const Int2> edge_edge;
-    View<const Int2> vertex_plane;
+    View<const Int2> vertex_wall;
 
     [[nodiscard]] NOLI_HD int size() const {
-        return vertex_triangle.size + edge_edge.size + vertex_plane.size;
+        return vertex_triangle.size + edge_edge.size + vertex_wall.size;
     }
     [[nodiscard]] NOLI_HD bool is_vertex_triangle(int i) const {
         return i < vertex_triangle.size;
     }
-    [[nodiscard]] NOLI_HD bool is_plane(int i) const {
+    [[nodiscard]] NOLI_HD bool is_wall(int i) const {
         return i >= vertex_triangle.size + edge_edge.size;
     }
     [[nodiscard]] NOLI_HD Int2 ids(int i) const {
         if (i < vertex_triangle.size) return vertex_triangle[i];
         i -= vertex_triangle.size;
-        return i < edge_edge.size ? edge_edge[i] : vertex_plane[i - edge_edge.size];
+        return i < edge_edge.size ? edge_edge[i] : vertex_wall[i - edge_edge.size];
     }
-    /// Vertex and triangle; both edges; vertex, plane index, -1, -1.
+    /// Vertex and triangle; both edges; vertex, wall index, -1, -1.
     [[nodiscard]] NOLI_HD Int4 vertices(int i) const {
         const Int2 pair = ids(i);
-        if (is_plane(i)) return {{pair[0], pair[1], -1, -1}};
+        if (is_wall(i)) return {{pair[0], pair[1], -1, -1}};
         if (is_vertex_triangle(i)) {
             const Int3& t = mesh.triangles[pair[1]];
             return {{pair[0], t[0], t[1], t[2]}};
@@ -87,7 +87,7 @@ CandidateView view_of(const DeviceCollisionMesh<Exec>& mesh,
     return {mesh.view(),
             candidates.vertex_triangle.view(),
             candidates.edge_edge.view(),
-            candidates.vertex_plane.view()};
+            candidates.vertex_wall.view()};
 }
 
 NOLI_HD inline Stencil<4> stencil_at(View<const Vec3d> x, const Int4& v) {
@@ -108,10 +108,10 @@ struct CandidateCode {
     NOLI_HD std::uint16_t operator()(Stage& stage) const {
         const Int4 v = candidates.vertices(i);
         constexpr ClosestFeature kNothing{PairKind::PointPoint, {-1, -1, -1, -1}, 0.0};
-        if (candidates.is_plane(i)) {
+        if (candidates.is_wall(i)) {
             const bool active =
-                plane_distance(candidates.mesh.planes[v[1]], x[v[0]]) < dhat;
-            return encode(active ? PairList::Plane : PairList::None, kNothing);
+                wall_distance(candidates.mesh.walls[v[1]], x[v[0]]) < dhat;
+            return encode(active ? PairList::Wall : PairList::None, kNothing);
         }
         const Stencil<4> s = stencil_at(x, v);
         const bool vertex_triangle = candidates.is_vertex_triangle(i);

@@ -14,10 +14,10 @@ struct Candidates {
 
     Buffer<Int2> vertex_triangle;  ///< vertex id, triangle index
     Buffer<Int2> edge_edge;        ///< edge indices, first < second
-    Buffer<Int2> vertex_plane;     ///< vertex id, plane index
+    Buffer<Int2> vertex_wall;      ///< vertex id, wall index
 
     [[nodiscard]] int size() const {
-        return vertex_triangle.size() + edge_edge.size() + vertex_plane.size();
+        return vertex_triangle.size() + edge_edge.size() + vertex_wall.size();
     }
 };
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// What the contact room knows of a scene: the surface's vertices, edges and triangles,
-/// who may touch whom, and the half-spaces. Positions are never stored here.
+/// who may touch whom, and the walls. Positions are never stored here.
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
+#include "geometry/wall.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -13,12 +14,6 @@ namespace noli {
 
 /// Collision surface of the whole scene, on the host.
 struct CollisionMesh {
-    /// Half-space obstacle: the side dot(normal, x) > offset is free.
-    struct Plane {
-        Vec3d normal;   ///< unit
-        double offset;  ///< m
-    };
-
     int num_vertices = 0;       ///< of all vertices, inner ones too
     std::vector<int> vertices;  ///< surface vertices and obstacle points, ascending
     std::vector<Int2> edges;    ///< vertex ids
@@ -30,14 +25,9 @@ struct CollisionMesh {
     int num_bodies = 0;
     std::vector<std::uint8_t>
         pair_enabled;  ///< (num_bodies, num_bodies) symmetric; 1 = collide
-    std::vector<Plane> planes;
-    std::vector<std::uint8_t> plane_enabled;  ///< (planes, num_bodies); 1 = collide
+    std::vector<Wall> walls;
+    std::vector<std::uint8_t> wall_enabled;  ///< (walls, num_bodies); 1 = collide
 };
-
-/// Signed distance to a half-space, m; positive on the free side.
-NOLI_HD inline double plane_distance(const CollisionMesh::Plane& plane, const Vec3d& x) {
-    return dot(plane.normal, x) - plane.offset;
-}
 
 /// The mesh as kernels see it; captured by value.
 struct CollisionMeshView {
@@ -49,14 +39,14 @@ struct CollisionMeshView {
     View<const std::uint8_t> kinematic;
     int num_bodies;
     View<const std::uint8_t> pair_enabled;
-    View<const CollisionMesh::Plane> planes;
-    View<const std::uint8_t> plane_enabled;
+    View<const Wall> walls;
+    View<const std::uint8_t> wall_enabled;
 
     [[nodiscard]] NOLI_HD bool bodies_collide(int vertex_a, int vertex_b) const {
         return pair_enabled[body[vertex_a] * num_bodies + body[vertex_b]] != 0;
     }
-    [[nodiscard]] NOLI_HD bool plane_collides(int plane, int vertex) const {
-        return plane_enabled[plane * num_bodies + body[vertex]] != 0;
+    [[nodiscard]] NOLI_HD bool wall_collides(int wall, int vertex) const {
+        return wall_enabled[wall * num_bodies + body[vertex]] != 0;
     }
     /// May this vertex and this triangle ever form a pair?
     [[nodiscard]] NOLI_HD bool may_collide(int vertex, const Int3& t) const {
@@ -88,8 +78,8 @@ class DeviceCollisionMesh {
         exec.upload(mesh.body, body_);
         exec.upload(mesh.kinematic, kinematic_);
         exec.upload(mesh.pair_enabled, pair_enabled_);
-        exec.upload(mesh.planes, planes_);
-        exec.upload(mesh.plane_enabled, plane_enabled_);
+        exec.upload(mesh.walls, walls_);
+        exec.upload(mesh.wall_enabled, wall_enabled_);
     }
 
     [[nodiscard]] int num_vertices() const { return num_vertices_; }
@@ -102,8 +92,8 @@ class DeviceCollisionMesh {
                 kinematic_.view(),
                 num_bodies_,
                 pair_enabled_.view(),
-                planes_.view(),
-                plane_enabled_.view()};
+                walls_.view(),
+                wall_enabled_.view()};
     }
 
   private:
@@ -119,8 +109,8 @@ class DeviceCollisionMesh {
     Buffer<int> body_;
     Buffer<std::uint8_t> kinematic_;
     Buffer<std::uint8_t> pair_enabled_;
-    Buffer<CollisionMesh::Plane> planes_;
-    Buffer<std::uint8_t> plane_enabled_;
+    Buffer<Wall> walls_;
+    Buffer<std::uint8_t> wall_enabled_;
 };
 
 }  // namespace noli

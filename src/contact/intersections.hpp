@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Independent exact check of a state: is anything intersecting, touching, behind a
-/// half-space, or inverted? Shares no code with the barrier's distances nor with the step
+/// wall, or inverted? Shares no code with the barrier's distances nor with the step
 /// bound; the tree only proposes pairs whose boxes overlap, and exact predicates decide,
 /// without a tolerance.
 ///
@@ -13,6 +13,7 @@
 #include "contact/collision_mesh.hpp"
 #include "contact/tree_search.hpp"
 #include "geometry/exact.hpp"
+#include "geometry/wall_side.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -30,9 +31,9 @@ struct VertexOnTriangle {
     Int3 triangle;  ///< vertex ids
     Vec3d place;    ///< m
 };
-struct VertexBehindPlane {
+struct VertexBehindWall {
     int vertex;
-    int plane;
+    int wall;
     double distance;  ///< signed, m; <= 0
 };
 
@@ -41,12 +42,12 @@ struct Intersections {
     std::vector<EdgeTriangleIntersection> edge_triangle;
     std::vector<VertexOnTriangle>
         vertex_triangle;  ///< of vertices without edges (obstacle points)
-    std::vector<VertexBehindPlane> vertex_plane;
+    std::vector<VertexBehindWall> vertex_wall;
     std::vector<int> not_finite;  ///< surface vertices with a NaN or infinity: nothing is
                                   ///< known of them
 
     [[nodiscard]] std::size_t size() const {
-        return edge_triangle.size() + vertex_triangle.size() + vertex_plane.size()
+        return edge_triangle.size() + vertex_triangle.size() + vertex_wall.size()
              + not_finite.size();
     }
 };
@@ -202,12 +203,11 @@ class IntersectionCheck {
         const CollisionMeshView m = mesh_.view();
         for (const int vertex : host_.vertices) {
             if (!std::isfinite(norm_sq(x[vertex]))) found.not_finite.push_back(vertex);
-            for (int k = 0; k < m.planes.size && !m.kinematic[vertex]; ++k) {
-                const CollisionMesh::Plane& plane = m.planes[k];
-                if (!m.plane_collides(k, vertex)) continue;
-                if (plane_side(x[vertex], plane.normal, plane.offset) <= 0)
-                    found.vertex_plane.push_back(
-                        {vertex, k, plane_distance(plane, x[vertex])});
+            for (int k = 0; k < m.walls.size && !m.kinematic[vertex]; ++k) {
+                if (!m.wall_collides(k, vertex)) continue;
+                if (wall_side(m.walls[k], x[vertex]) <= 0)
+                    found.vertex_wall.push_back(
+                        {vertex, k, wall_distance(m.walls[k], x[vertex])});
             }
         }
     }

@@ -17,12 +17,12 @@ struct MinGap {
         PointTriangle,
         EdgeEdge,
         Mollified,
-        Plane
+        Wall
     };
 
-    double gap;  ///< m; +infinity without pairs, not positive behind a half-space
+    double gap;  ///< m; +infinity without pairs, not positive behind a wall
     Kind kind;
-    Int4 vertices;  ///< of the pair; Plane: vertex, plane index; unused places -1
+    Int4 vertices;  ///< of the pair; Wall: vertex, wall index; unused places -1
 };
 
 /// Buffers of min_gap, kept between calls.
@@ -41,11 +41,11 @@ struct PairSetReader {
     View<const Int4> pt;
     View<const Int4> ee;
     View<const MollifiedPair> mollified;
-    View<const Int2> planes;
-    View<const CollisionMesh::Plane> half_spaces;
+    View<const Int2> walls;
+    View<const Wall> shapes;
 
     [[nodiscard]] NOLI_HD int size() const {
-        return pp.size + pe.size + pt.size + ee.size + mollified.size + planes.size;
+        return pp.size + pe.size + pt.size + ee.size + mollified.size + walls.size;
     }
     /// Kind and vertices of pair i; gap is not set.
     [[nodiscard]] NOLI_HD MinGap name(int i) const {
@@ -61,7 +61,7 @@ struct PairSetReader {
         i -= ee.size;
         if (i < mollified.size) return {0.0, Kind::Mollified, mollified[i].v};
         i -= mollified.size;
-        return {0.0, Kind::Plane, {{planes[i][0], planes[i][1], -1, -1}}};
+        return {0.0, Kind::Wall, {{walls[i][0], walls[i][1], -1, -1}}};
     }
 };
 
@@ -73,8 +73,8 @@ PairSetReader reader_of(const DeviceCollisionMesh<Exec>& mesh,
             pairs.pt.view(),
             pairs.ee.view(),
             pairs.mollified.view(),
-            pairs.planes.view(),
-            mesh.view().planes};
+            pairs.walls.view(),
+            mesh.view().walls};
 }
 
 /// Distance of the primitives that a pair stands for, m; NaN where doubles do not
@@ -106,8 +106,8 @@ struct PairDistance {
             case MinGap::Kind::EdgeEdge:
             case MinGap::Kind::Mollified:
                 return std::sqrt(classify_edge_edge(stencil_at(x, v), stage).d_sq);
-            case MinGap::Kind::Plane:
-                return plane_distance(pairs.half_spaces[v[1]], x[v[0]]);
+            case MinGap::Kind::Wall:
+                return wall_distance(pairs.shapes[v[1]], x[v[0]]);
             case MinGap::Kind::None:
                 break;
         }

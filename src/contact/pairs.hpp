@@ -38,13 +38,13 @@ struct PairSet {
     Buffer<Int4> pt;  ///< p a b c
     Buffer<Int4> ee;  ///< a0 a1 b0 b1
     Buffer<MollifiedPair> mollified;
-    Buffer<Int2> planes;  ///< vertex, plane index
+    Buffer<Int2> walls;  ///< vertex, wall index
     /// Only: doubles suffice for the geometry of all these pairs, where they were found.
     Doubles doubles = Doubles::First;
 
     [[nodiscard]] int size() const {
         return pp.size() + pe.size() + pt.size() + ee.size() + mollified.size()
-             + planes.size();
+             + walls.size();
     }
 };
 
@@ -57,7 +57,7 @@ struct PairSetView {
     View<Int4> pt;
     View<Int4> ee;
     View<MollifiedPair> mollified;
-    View<Int2> planes;
+    View<Int2> walls;
 };
 
 /// Writes candidate i, classified as `code`, to place `at` of its list.
@@ -84,8 +84,8 @@ NOLI_HD inline void write_pair(const CandidateView& candidates,
         case PairList::EE:
             out.ee[at] = {{u[0], u[1], u[2], u[3]}};
             break;
-        case PairList::Plane:
-            out.planes[at] = {{v[0], v[1]}};
+        case PairList::Wall:
+            out.walls[at] = {{v[0], v[1]}};
             break;
         case PairList::Mollified: {
             MollifiedPair pair{
@@ -252,7 +252,7 @@ void find_pairs(Exec& exec,
     out.pt.resize(sizes[List::PT]);
     out.ee.resize(sizes[List::EE]);
     out.mollified.resize(sizes[List::Mollified]);
-    out.planes.resize(sizes[List::Plane]);
+    out.walls.resize(sizes[List::Wall]);
     out.doubles = sizes.doubles;
     detail::write_pairs(exec,
                         view,
@@ -264,7 +264,7 @@ void find_pairs(Exec& exec,
                          out.pt.view(),
                          out.ee.view(),
                          out.mollified.view(),
-                         out.planes.view()});
+                         out.walls.view()});
 }
 
 }  // namespace noli

@@ -8,7 +8,7 @@
 /// for a denser one, and so on: most pairs then reach the shortened end at once. The
 /// samples depend on the candidates' order alone.
 ///
-/// Source: MATH 8.5 (pairs), MATH 6 (half-spaces).
+/// Source: MATH 8.5 (pairs), MATH 6 (walls).
 
 #include "contact/candidate_advance.hpp"
 #include "exec/later.hpp"
@@ -42,13 +42,13 @@ Later advance_sample(Exec& exec,
                      View<Advance> advances) {
     using List = StepBound::Limit;
     const int edge_edge = motion.begin_of(List::EdgeEdge);
-    const int plane = motion.begin_of(List::Plane);
+    const int wall = motion.begin_of(List::Wall);
     advance_candidates<List::VertexTriangle, How>(
         exec, motion, sample, 0, edge_edge, end, advances);
     advance_candidates<List::EdgeEdge, How>(
-        exec, motion, sample, edge_edge, plane, end, advances);
-    advance_candidates<List::Plane, How>(
-        exec, motion, sample, plane, motion.candidates.size(), end, advances);
+        exec, motion, sample, edge_edge, wall, end, advances);
+    advance_candidates<List::Wall, How>(
+        exec, motion, sample, wall, motion.candidates.size(), end, advances);
     const int n = (motion.candidates.size() + sample.stride - 1) / sample.stride;
     return exec.min_later("contact/smallest_bound", n, [=] NOLI_HD(int k) {
         return limit_of(advances[k * sample.stride]);

@@ -20,7 +20,7 @@
 /// most one.
 
 #include "core/stencil.hpp"
-#include "energy/barrier.hpp"
+#include "energy/barrier_params.hpp"
 #include "energy/contact_frame.hpp"
 #include "energy/small_eigen.hpp"
 
@@ -30,15 +30,6 @@ namespace noli {
 
 /// Which PSD model of a pair's Hessian to build.
 enum class ContactHessian : std::uint8_t { GaussNewton, GaussNewtonPlus, Exact, Numeric };
-
-/// What all barrier terms share.
-struct BarrierParams {
-    double dhat;           ///< activation distance, m; > 0
-    double kappa;          ///< stiffness, J/m^4; > 0
-    int exponent;          ///< r of the barrier, 1 or 2
-    double curvature_cap;  ///< g_c of barrier_curvature, 0 disables; not used by Exact
-                           ///< and Numeric
-};
 
 /// Largest number of modes that pair_hessian writes for a pair on S points.
 template <int S>
@@ -57,8 +48,7 @@ NOLI_HD inline double pair_energy(PairKind kind,
                                   const BarrierParams& params,
                                   Stage&& stage = {}) {
     const double d = pair_geometry(kind, x, stage).d;
-    return params.kappa
-         * barrier(params.exponent, d * d, params.dhat * params.dhat).value;
+    return params.kappa * barrier_at(params, d).value;
 }
 
 /// dE/dx_i = kappa b_d w_i n, N. Source: MATH 2.1.
@@ -68,8 +58,7 @@ NOLI_HD inline StencilGradient<S> pair_gradient(PairKind kind,
                                                 const BarrierParams& params,
                                                 Stage&& stage = {}) {
     const PairGeometry<S> pair = pair_geometry(kind, x, stage);
-    const double slope =
-        params.kappa * barrier_slope(params.exponent, pair.d, params.dhat);
+    const double slope = params.kappa * barrier_slope_at(params, pair.d);
     StencilGradient<S> out;
     for (int i = 0; i < S; ++i)
         out.g[i] = (slope * pair.w[i]) * pair.n;
@@ -86,8 +75,7 @@ NOLI_HD inline void append_gauss_newton_mode(double d,
                                              const BarrierParams& params,
                                              StencilModes<S, kPairModes<S>>& out) {
     const double curvature =
-        params.kappa
-        * barrier_curvature(params.exponent, d, params.dhat, params.curvature_cap);
+        params.kappa * barrier_curvature_at(params, d, params.curvature_cap);
     if (!(curvature > 0.0)) return;
     const double scale = std::sqrt(curvature);
     for (int i = 0; i < S; ++i)
@@ -216,8 +204,7 @@ NOLI_HD inline void append_exact_modes(PairKind kind,
     constexpr int kNormals = 1 + kPairParameters<S>;
     const WeightBasis<S> basis = weight_basis<S>(kind, f.w);
     double H[kReducedSize<S>][kReducedSize<S>];
-    reduced_hessian(
-        f, basis, barrier(params.exponent, f.d * f.d, params.dhat * params.dhat), H);
+    reduced_hessian(f, basis, barrier_at(params, f.d), H);
     SymmetricEigen<kReducedSize<S>> eigen = eigen_symmetric<kReducedSize<S>>(H);
     while (out.rank < kPairModes<S>) {
         int best = 0;
@@ -246,7 +233,8 @@ NOLI_HD inline void append_exact_modes(PairKind kind,
 ///
 /// Source:  MATH 2.1 (GaussNewton), 2.5 (GaussNewtonPlus, Exact)
 /// Valid:   d > 0; finite for collapsed edges and triangles (their tangents are dropped)
-/// Smooth:  zero from d = dhat on. GaussNewton is continuous where the kind changes; the
+/// Smooth:  zero from d = reach() on. GaussNewton is continuous where the kind changes;
+/// the
 ///          others jump there, as hess d does
 /// Numeric is not among these: numeric_pair_hessian(), whose 12 x 12 matrices no GPU
 /// kernel of the others should carry.
@@ -264,13 +252,12 @@ NOLI_HD inline StencilModes<S, kPairModes<S>> pair_hessian(ContactHessian model,
         return out;
     }
     const ContactFrame<S> frame = contact_frame(kind, x, stage);
-    if (!(frame.d < params.dhat)) return out;
+    if (!(frame.d < params.reach())) return out;
     if (model == ContactHessian::Exact) {
         detail::append_exact_modes(kind, frame, params, out);
         return out;
     }
-    const BarrierJet b =
-        barrier(params.exponent, frame.d * frame.d, params.dhat * params.dhat);
+    const BarrierJet b = barrier_at(params, frame.d);
     detail::append_gauss_newton_mode<S>(frame.d, frame.n, frame.w, params, out);
     detail::append_curvature_modes(frame, -params.kappa * b.d1, out);
     return out;

@@ -9,8 +9,9 @@
 #include "core/stencil.hpp"
 #include "energy/contact_pair.hpp"
 #include "energy/friction_law.hpp"
-#include "energy/half_space.hpp"
 #include "energy/mollified_pair.hpp"
+#include "energy/tangents.hpp"
+#include "energy/wall.hpp"
 
 namespace noli {
 
@@ -24,22 +25,13 @@ struct FrictionBasis {
 
 namespace detail {
 
-/// Basis of the plane across n whose first vector follows `hint` as far as it can.
-/// Without a usable hint (zero, or along n) it starts from the better of e_x x n and e_y
-/// x n.
 template <int S>
 NOLI_HD inline void set_tangents(const Vec3d& n,
                                  const Vec3d& hint,
                                  FrictionBasis<S>& out) {
-    Vec3d t = hint - dot(hint, n) * n;
-    if (!(norm_sq(t) > 1e-16 * norm_sq(hint))) {
-        const Vec3d from_x = cross(Vec3d{1.0, 0.0, 0.0}, n);
-        const Vec3d from_y = cross(Vec3d{0.0, 1.0, 0.0}, n);
-        t = norm_sq(from_x) > norm_sq(from_y) ? from_x : from_y;
-    }
-    t = unit_or_zero(t);
-    out.t0 = unit_or_zero(t - dot(t, n) * n);
-    out.t1 = cross(n, out.t0);
+    const Tangents t = tangents_across(n, hint);
+    out.t0 = t.t0;
+    out.t1 = t.t1;
 }
 
 /// u = B^T sum_i w_i moved_i, m.
@@ -72,8 +64,7 @@ NOLI_HD inline FrictionBasis<S> friction_basis(PairKind kind,
     detail::set_tangents(pair.n, hint, out);
     for (int i = 0; i < S; ++i)
         out.w[i] = pair.w[i];
-    out.normal_force =
-        -params.kappa * barrier_slope(params.exponent, pair.d, params.dhat);
+    out.normal_force = -params.kappa * barrier_slope_at(params, pair.d);
     return out;
 }
 
@@ -93,22 +84,20 @@ NOLI_HD inline FrictionBasis<4> mollified_friction_basis(const MollifiedCase& su
     for (int i = 0; i < 4; ++i)
         out.w[i] = pair.w[i];
     out.normal_force = -params.kappa * mollifier(edge_cross_sq(x), eps_cross).value
-                     * barrier_slope(params.exponent, pair.d, params.dhat);
+                     * barrier_slope_at(params, pair.d);
     return out;
 }
 
-/// Basis of a point on a half-space of any normal. For a moving plane the caller
-/// subtracts the plane's own displacement from the point's. Valid: d > 0.
+/// Basis of a point at a wall: the tangent plane at the lagged point. For a moving wall
+/// the caller subtracts the wall's own displacement from the point's. Valid: d > 0.
 /// Source: MATH 5, 6.
-NOLI_HD inline FrictionBasis<1> half_space_friction_basis(const Vec3d& x,
-                                                          const BarrierPlane& plane,
-                                                          const BarrierParams& params) {
+NOLI_HD inline FrictionBasis<1> wall_friction_basis(const Vec3d& x,
+                                                    const Wall& wall,
+                                                    const BarrierParams& params) {
     FrictionBasis<1> out;
-    detail::set_tangents(plane.normal, Vec3d{0.0, 0.0, 0.0}, out);
+    detail::set_tangents(wall_normal(wall, x), Vec3d{0.0, 0.0, 0.0}, out);
     out.w[0] = 1.0;
-    out.normal_force =
-        -params.kappa
-        * barrier_slope(params.exponent, half_space_distance(x, plane), params.dhat);
+    out.normal_force = -params.kappa * barrier_slope_at(params, wall_distance(wall, x));
     return out;
 }
 
@@ -155,39 +144,6 @@ NOLI_HD inline StencilGradient<S> friction_gradient(const FrictionBasis<S>& basi
     StencilGradient<S> out;
     for (int i = 0; i < S; ++i)
         out.g[i] = basis.w[i] * force;
-    return out;
-}
-
-/// The exact Hessian, already PSD: along u it is mu lambda_N f1', across u it is mu
-/// lambda_N f1/|u|.
-///
-/// Source:  MATH 5 (no projection needed)
-/// Out:     two modes while sticking (|u| < eps), one while sliding; none without force
-/// Smooth:  continuous at |u| = eps; at |u| = 0 both values are 2/eps, along any
-/// direction
-template <int S>
-NOLI_HD inline StencilModes<S, 2> friction_hessian(const FrictionBasis<S>& basis,
-                                                   const Stencil<S>& moved,
-                                                   double mu,
-                                                   double eps) {
-    const Vec2d u = detail::tangential_displacement(basis, moved);
-    const double y = detail::hypot2(u.x, u.y);
-    const FrictionJet f = friction_law(y, eps);
-    const Vec2d dir = y > 0.0 ? Vec2d{u.x / y, u.y / y} : Vec2d{1.0, 0.0};
-    const Vec3d along = dir.x * basis.t0 + dir.y * basis.t1;
-    const Vec3d across = dir.x * basis.t1 - dir.y * basis.t0;
-    const Vec3d directions[2] = {across, along};
-    const double values[2] = {f.f1_over_y, f.df1};
-
-    StencilModes<S, 2> out{};
-    for (int k = 0; k < 2; ++k) {
-        const double stiffness = mu * basis.normal_force * values[k];
-        if (!(stiffness > 0.0)) continue;
-        const double scale = std::sqrt(stiffness);
-        for (int i = 0; i < S; ++i)
-            out.q[out.rank][i] = (scale * basis.w[i]) * directions[k];
-        ++out.rank;
-    }
     return out;
 }
 

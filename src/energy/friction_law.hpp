@@ -30,4 +30,18 @@ NOLI_HD inline FrictionJet friction_law(double y, double eps) {
             2.0 * (1.0 - s) / eps};
 }
 
+/// rho = y / f1(y), m, by which a tangential displacement is divided to give the
+/// direction and size of its friction force, and rho' (dimensionless); finite at y = 0.
+struct FrictionRatio {
+    double rho, drho;
+};
+
+/// In: y, eps  as friction_law. Source: f1 of [Li2020], inverted.
+NOLI_HD inline FrictionRatio friction_ratio(double y, double eps) {
+    NOLI_DCHECK(y >= 0.0 && eps > 0.0);
+    if (y >= eps) return {y, 1.0};
+    const double inverse = 1.0 / (2.0 - y / eps);
+    return {eps * inverse, inverse * inverse};
+}
+
 }  // namespace noli

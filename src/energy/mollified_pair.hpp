@@ -37,9 +37,10 @@ NOLI_HD constexpr int max_rank(MollifiedHessian model) {
 
 namespace detail {
 
-/// 0 < d < dhat: elsewhere the pair has no gradient (at d = 0 its energy is infinite).
+/// min_separation < d < reach: elsewhere the pair has no gradient (from min_separation
+/// down its energy is infinite).
 NOLI_HD inline bool inside_band(double d, const BarrierParams& params) {
-    return d > 0.0 && d < params.dhat;
+    return d > params.min_separation && d < params.reach();
 }
 
 }  // namespace detail
@@ -58,9 +59,9 @@ NOLI_HD inline double mollified_energy(const MollifiedCase& sub,
                                        const BarrierParams& params,
                                        Stage&& stage = {}) {
     const double d = mollified_geometry(sub, x, stage).d;
-    if (!(d > 0.0)) return HUGE_VAL;
+    if (!(d > params.min_separation)) return HUGE_VAL;
     return params.kappa * mollifier(edge_cross_sq(x), eps_cross).value
-         * barrier(params.exponent, d * d, params.dhat * params.dhat).value;
+         * barrier_at(params, d).value;
 }
 
 /// kappa (m' b grad gamma + m b_d grad d), N; grad gamma = 2 K^T k needs no division by
@@ -77,8 +78,7 @@ NOLI_HD inline StencilGradient<4> mollified_gradient(const MollifiedCase& sub,
     const Vec3d v = x.x[3] - x.x[2];
     const Vec3d k = cross(u, v);
     const MollifierJet m = mollifier(norm_sq(k), eps_cross);
-    const BarrierJet b =
-        barrier(params.exponent, pair.d * pair.d, params.dhat * params.dhat);
+    const BarrierJet b = barrier_at(params, pair.d);
 
     StencilGradient<4> out = detail::cross_product_pullback(u, v, k);
     const double along_gamma = 2.0 * params.kappa * m.d1 * b.value;
@@ -126,8 +126,7 @@ NOLI_HD inline StencilModes<4, max_rank(Model)> closed_form_modes(
     const Vec3d k_hat = parallel ? Vec3d{1.0, 0.0, 0.0} : scaled_unit(k);
 
     const MollifierJet m = mollifier(gamma, eps_cross);
-    const BarrierJet b =
-        barrier(params.exponent, pair.d * pair.d, params.dhat * params.dhat);
+    const BarrierJet b = barrier_at(params, pair.d);
     const double b_d = 2.0 * pair.d * b.d1;
     const double b_dd = 4.0 * pair.d * pair.d * b.d2 + 2.0 * b.d1;
     const double dhat = params.dhat;
@@ -173,11 +172,7 @@ NOLI_HD inline StencilModes<4, max_rank(MollifiedHessian::Exact)> projected_mode
     if (!inside_band(frame.d, params)) return out;
     double H[9][9];
     mollified_exact_hessian(
-        frame,
-        x,
-        mollifier(edge_cross_sq(x), eps_cross),
-        barrier(params.exponent, frame.d * frame.d, params.dhat * params.dhat),
-        H);
+        frame, x, mollifier(edge_cross_sq(x), eps_cross), barrier_at(params, frame.d), H);
     const SymmetricEigen<9> eigen = eigen_symmetric<9>(H);
     for (int mode = 0; mode < 9; ++mode) {
         if (!(eigen.values[mode] > 0.0)) continue;

@@ -62,10 +62,9 @@ NOLI_HD inline StencilModes<S, kPairModes<S>> numeric_pair_hessian(
     PairKind kind, const Stencil<S>& x, const BarrierParams& params) {
     StencilModes<S, kPairModes<S>> out{};
     const ContactFrame<S> f = contact_frame(kind, x);
-    if (!(f.d < params.dhat)) return out;
+    if (!(f.d < params.reach())) return out;
     double H[3 * S][3 * S];
-    detail::full_pair_hessian<S>(
-        f, barrier(params.exponent, f.d * f.d, params.dhat * params.dhat), H);
+    detail::full_pair_hessian<S>(f, barrier_at(params, f.d), H);
     SymmetricEigen<3 * S> eigen = eigen_symmetric<3 * S>(H);
     while (out.rank < kPairModes<S>) {
         int best = 0;

@@ -265,20 +265,4 @@ NOLI_HD inline Advance advance_point_point(const Stencil<2>& x,
                                   params);
 }
 
-/// A vertex at `distance` (m) above a plane, moving by t * normal_speed (m) along its
-/// normal: largest t in [0, t_max] after which (1 - slack) of the distance is left.
-/// Source: MATH 6.
-NOLI_HD inline Advance advance_half_space(double distance,
-                                          double normal_speed,
-                                          double slack,
-                                          double t_max = 1.0) {
-    if (!(distance < INFINITY) || !(std::fabs(normal_speed) < INFINITY))
-        return {0.0, 0, false, AdvanceEnd::NotFinite};
-    if (!(distance > 0.0)) return {0.0, 0, false, AdvanceEnd::InitiallyClosed};
-    const double usable = slack * distance * (1.0 - 8.0 * detail::kUnitRoundoff);
-    if (!(-normal_speed * t_max > usable)) return {t_max, 0, false, AdvanceEnd::Free};
-    const double t = usable / -normal_speed;
-    return {t, 0, false, t > 0.0 ? AdvanceEnd::GapUsed : AdvanceEnd::BelowRounding};
-}
-
 }  // namespace noli

@@ -45,6 +45,7 @@ class DevicePcg {
         bool refined = false;
         int batch = kFirstBatch - 1;
         while (true) {
+            if (is_set(options.stop)) return {.outcome = PcgResult::Outcome::Cancelled};
             for (int k = 0; k < batch; ++k)
                 exec.replay(recording_);
             batch = kBatch;
@@ -54,7 +55,7 @@ class DevicePcg {
                 refined = true;
                 detail::device_refine(exec, state_.view(), options.fine_tolerance);
             } else if (now.status != PcgState::Status::Running) {
-                return result(now, refined);
+                return result(now, refined || (options.refine && now.delta_start == 0.0));
             }
         }
     }

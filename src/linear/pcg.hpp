@@ -110,10 +110,15 @@ class Pcg {
         double delta =
             detail::pcg_start(exec, jacobi_.inverse(), b, x, r_.view(), p_.view());
         const double delta_start = delta;
+        result.refined = delta == 0.0 && options.refine;  // solved exactly
         if (delta == 0.0) return result;
         result.residual_ratio = 1.0;
         PcgStop stop(options);
         while (!finished(stop, options, x, result)) {
+            if (is_set(options.stop)) {
+                result.outcome = PcgResult::Outcome::Cancelled;
+                return result;
+            }
             if (result.iterations == options.max_iterations) {
                 result.outcome = PcgResult::Outcome::MaxIterations;
                 return result;

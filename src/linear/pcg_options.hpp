@@ -2,6 +2,7 @@
 #pragma once
 /// What the iterative solvers take and report, and when they stop.
 
+#include "core/stop_flag.hpp"
 #include "core/vec.hpp"
 #include "core/view.hpp"
 
@@ -37,9 +38,13 @@ struct PcgOptions {
     /// (num_rows) multiple of the identity in each row, or empty: lets a solver tell
     /// whether single precision can store the matrix.
     View<const double> inertia = {};
+    /// The operator need not be positive definite: a breakdown is an answer.
+    bool may_break = false;
     /// (num_rows) positions, or empty: where the rigid modes of the coarse space are
     /// taken, if the preconditioner has one. Empty does without it.
     View<const Vec3d> positions = {};
+    /// Looked at before every iteration, on a device before every batch of them.
+    StopFlag stop = nullptr;
 };
 
 /// Decides when the iteration ends.
@@ -93,6 +98,7 @@ struct PcgResult {
     enum class Outcome {
         Converged,
         MaxIterations,
+        Cancelled,  ///< PcgOptions::stop was set
         Breakdown,  ///< p.Ap <= 0 (the operator is not positive definite) or not a number
     };
     int iterations = 0;    ///< products with the operator

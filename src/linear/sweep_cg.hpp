@@ -81,8 +81,13 @@ class SweepCg {
             vectors_.finish(exec, 0.0, x);
             return result;
         }
-        bool done = at.rr == 0.0;
+        bool done = at.rr == 0.0;  // solved exactly: as fine as can be
+        result.refined = done && bool(options.refine);
         while (!done && result.iterations < options.max_iterations) {
+            if (is_set(options.stop)) {
+                result.outcome = PcgResult::Outcome::Cancelled;
+                break;
+            }
             ++result.iterations;
             if (!iterate_timed(exec, at)) {
                 result.outcome = PcgResult::Outcome::Breakdown;
@@ -100,7 +105,8 @@ class SweepCg {
         }
         vectors_.finish(exec, at.alpha, x);
         result.residual_ratio = at.ratio();
-        if (result.outcome == PcgResult::Outcome::Breakdown && op_.single())
+        if (result.outcome == PcgResult::Outcome::Breakdown && op_.single()
+            && !options.may_break)
             return solve_in_double(exec, matrix, terms, b, fixed, options, x);
         if (!done && result.outcome == PcgResult::Outcome::Converged)
             result.outcome = PcgResult::Outcome::MaxIterations;

@@ -14,7 +14,8 @@ namespace detail {
 Mesh only_role(Mesh mesh, MeshRole role) {
     if (role != MeshRole::Solid) mesh.tets.clear();
     if (role != MeshRole::Surface) mesh.triangles.clear();
-    if (role != MeshRole::Segments) mesh.segments.clear();
+    if (role == MeshRole::Solid || role == MeshRole::Points) mesh.segments.clear();
+    if (role == MeshRole::Solid) mesh.points.clear();
     return mesh;
 }
 
@@ -102,6 +103,21 @@ void Checker::check_indices(const std::vector<Element>& elements) {
                           repeated.count));
 }
 
+void Checker::check_points() {
+    const auto n = static_cast<int>(mesh_.x.size());
+    Tally outside;
+    for (std::size_t i = 0; i < mesh_.points.size(); ++i)
+        if (mesh_.points[i] < 0 || mesh_.points[i] >= n) outside.add(i);
+    if (outside.count > 0)
+        error(Kind::IndexOutOfRange,
+              outside,
+              fmt::format("point {} is vertex {}, expected 0 to {}; correct it or write "
+                          "the mesh again",
+                          outside.first,
+                          mesh_.points[static_cast<std::size_t>(outside.first)],
+                          n - 1));
+}
+
 void Checker::check_duplicate_vertices() {
     const std::vector<int> first = first_equal_vertex(mesh_.x);
     Tally twice;
@@ -121,31 +137,26 @@ void Checker::check_duplicate_vertices() {
 }
 
 void Checker::check_unreferenced() {
-    if (role_ == MeshRole::Points) return;
-    const std::vector<int> used = role_ == MeshRole::Solid ? used_vertices(mesh_.tets)
-                                : role_ == MeshRole::Surface
-                                    ? used_vertices(mesh_.triangles)
-                                    : used_vertices(mesh_.segments);
+    const std::vector<std::uint8_t> used = referenced_vertices(only_role(mesh_, role_));
     Tally unused;
-    for (std::size_t i = 0, k = 0; i < mesh_.x.size(); ++i)
-        if (k < used.size() && used[k] == static_cast<int>(i))
-            ++k;
-        else
-            unused.add(i);
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (used[i] == 0) unused.add(i);
     const bool drops = role_ == MeshRole::Solid && options_.drop_unreferenced;
     if (unused.count > 0)
         warn(Kind::UnreferencedVertex,
              unused,
              fmt::format("has {} vertices that no {} uses (first: {}); {}",
                          unused.count,
-                         role_ == MeshRole::Solid     ? "tetrahedron"
-                         : role_ == MeshRole::Surface ? "triangle"
-                                                      : "segment",
+                         role_ == MeshRole::Solid      ? "tetrahedron"
+                         : role_ == MeshRole::Surface  ? "triangle"
+                         : role_ == MeshRole::Segments ? "segment"
+                                                       : "point",
                          unused.first,
                          drops ? "they are dropped and the others renumbered: remove "
                                  "them from the file to keep "
                                  "vertex numbers"
-                               : "remove them if they were not meant"));
+                               : "they have no part in the body and stay where they are: "
+                                 "remove them if they were not meant"));
 }
 
 MeshReport Checker::run() {
@@ -157,6 +168,7 @@ MeshReport Checker::run() {
             break;
         case MeshRole::Surface:
             check_indices(mesh_.triangles);
+            check_indices(mesh_.segments);
             break;
         case MeshRole::Segments:
             check_indices(mesh_.segments);
@@ -164,11 +176,12 @@ MeshReport Checker::run() {
         case MeshRole::Points:
             break;
     }
+    if (role_ != MeshRole::Solid) check_points();
     if (!report_.ok())
         return std::move(report_);  // the rest would read out of bounds or NaN
     if (role_ == MeshRole::Solid) check_solid();
     if (role_ == MeshRole::Surface) check_surface();
-    if (role_ == MeshRole::Segments) check_segments();
+    if (role_ == MeshRole::Surface || role_ == MeshRole::Segments) check_segments();
     check_duplicate_vertices();
     check_unreferenced();
     report_.quality = mesh_quality(only_role(mesh_, role_));

@@ -70,6 +70,7 @@ class Checker {
     void check_tet_faces();
     void check_surface();
     void check_segments();
+    void check_points();
     void check_edges_of(const std::vector<Int3>& surface, const char* whose);
     void check_vertices_of(const std::vector<Int3>& surface, const char* whose);
     template <class Element>

@@ -6,7 +6,12 @@
 namespace noli::detail {
 
 void MshCursor::read_format() {
-    const std::string_view head = token();
+    std::string_view head = token();
+    while (head.substr(0, 1) == "$" && head != "$MeshFormat"
+           && skip_behind(fmt::format("\n$End{}", head.substr(1)))) {
+        skip_line();
+        head = token();
+    }
     if (head != "$MeshFormat")
         fail(fmt::format(
             "found {}, expected \"$MeshFormat\"; {}",

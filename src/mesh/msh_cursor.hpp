@@ -18,7 +18,7 @@ class MshCursor : public Cursor {
   public:
     MshCursor(const std::string& path, std::string_view bytes) : Cursor(path, bytes) {}
 
-    /// The section $MeshFormat, with which a file begins.
+    /// The section $MeshFormat; only sections of comments may stand before it.
     void read_format();
     void expect_section_end(const char* name);
     [[nodiscard]] MshVersion version() const { return version_; }

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace noli {
 
@@ -102,12 +103,16 @@ MeshQuality mesh_quality(const Mesh& mesh) {
     const auto at = [&](int i) -> const Vec3d& {
         return mesh.x[static_cast<std::size_t>(i)];
     };
-    q.lo = q.hi = mesh.x[0];
-    for (const Vec3d& x : mesh.x)
+    const std::vector<std::uint8_t> used = referenced_vertices(mesh);
+    bool first = true;
+    for (std::size_t v = 0; v < mesh.x.size(); ++v) {
+        if (used[v] == 0) continue;
+        if (std::exchange(first, false)) q.lo = q.hi = mesh.x[v];
         for (int k = 0; k < 3; ++k) {
-            q.lo[k] = std::min(q.lo[k], x[k]);
-            q.hi[k] = std::max(q.hi[k], x[k]);
+            q.lo[k] = std::min(q.lo[k], mesh.x[v][k]);
+            q.hi[k] = std::max(q.hi[k], mesh.x[v][k]);
         }
+    }
     const MeshRole role = natural_role(mesh);
     Stats edges, ratios;
     for (const Int2 e : role == MeshRole::Solid     ? unique_edges(mesh.tets)

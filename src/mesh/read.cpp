@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using detail::ReadFailure;
+using detail::ReadPart;
 
 std::string lower_extension(const std::string& path) {
     std::string ext = fs::path(path).extension().string();
@@ -53,7 +54,8 @@ Mesh read_codimensional(const std::string& path,
                          "or put {} beside it",
                          is_seg ? " and \"s i j\" lines" : "",
                          fs::path(obj).filename().string())}};
-    mesh = detail::read_obj(obj, detail::load_file(obj));
+    const ReadPart part = options.positions_only ? ReadPart::Positions : ReadPart::All;
+    mesh = detail::read_obj(obj, detail::load_file(obj), part);
     if (is_seg) {
         for (const Int2 edge : unique_edges(mesh.triangles))
             mesh.segments.push_back(edge);
@@ -61,22 +63,25 @@ Mesh read_codimensional(const std::string& path,
         mesh.segments.clear();
     }
     mesh.triangles.clear();
+    mesh.points.clear();
     return mesh;
 }
 
 Mesh read_by_extension(const std::string& path, const ReadOptions& options) {
     const std::string ext = lower_extension(path);
+    const ReadPart part = options.positions_only ? ReadPart::Positions : ReadPart::All;
     if (ext == ".seg" || ext == ".pt")
         return read_codimensional(path, ext == ".seg", options);
     if (ext == ".ele" || ext == ".node")
-        return detail::read_tetgen(with_extension(path, ""), ext == ".ele");
-    if (ext == ".msh") return detail::read_msh(path, detail::load_file(path));
-    if (ext == ".mesh") return detail::read_medit(path, detail::load_file(path));
-    if (ext == ".obj") return detail::read_obj(path, detail::load_file(path));
-    if (ext == ".ply") return detail::read_ply(path, detail::load_file(path));
+        return detail::read_tetgen(detail::tetgen_files(path), part);
+    if (ext == ".msh") return detail::read_msh(path, detail::load_file(path), part);
+    if (ext == ".mesh") return detail::read_medit(path, detail::load_file(path), part);
+    if (ext == ".obj") return detail::read_obj(path, detail::load_file(path), part);
+    if (ext == ".ply") return detail::read_ply(path, detail::load_file(path), part);
     if (ext == ".stl") return detail::read_stl(path, detail::load_file(path));
     // TetGen names its output ball.1.node, ball.1.ele: ".1" is no format.
-    if (ext.empty() || is_file(path + ".ele")) return detail::read_tetgen(path, true);
+    if (ext.empty() || is_file(path + ".node") || is_file(path + ".ele"))
+        return detail::read_tetgen(detail::tetgen_files(path), part);
     throw ReadFailure{
         {is_file(path) ? Error::Code::BadMesh : Error::Code::FileNotReadable,
          path,

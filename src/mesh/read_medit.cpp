@@ -22,15 +22,23 @@ class MeditReader {
     MeditReader(const std::string& path, std::string_view bytes)
         : in_(path, bytes, '#') {}
 
-    Mesh read() {
+    Mesh read(ReadPart part) {
         read_header();
         for (std::string_view key = in_.token(); !key.empty() && key != "End";
-             key = next_keyword())
+             key = next_keyword()) {
             read_section(key);
+            if (part == ReadPart::Positions && have_vertices_) {
+                mesh_ = {.x = std::move(mesh_.x)};
+                return std::move(mesh_);
+            }
+        }
         if (!have_vertices_)
             in_.fail(
                 "the file has no Vertices section; it is truncated or holds no mesh: "
                 "write it again");
+        check_early(mesh_.tets, "tetrahedra");
+        check_early(mesh_.triangles, "triangles");
+        check_early(mesh_.segments, "edges");
         return std::move(mesh_);
     }
 
@@ -106,29 +114,45 @@ class MeditReader {
         have_vertices_ = true;
     }
 
+    [[noreturn]] void fail_corner(std::size_t number,
+                                  const char* name,
+                                  std::int64_t vertex,
+                                  std::size_t num_vertices) const {
+        in_.fail(fmt::format(
+            "element {} of the {} uses vertex {}, expected 1 to {}; correct the line or "
+            "write the file again",
+            number,
+            name,
+            vertex,
+            num_vertices));
+    }
+
+    /// Corners of elements that stand before the vertices.
+    template <class Element>
+    void check_early(const std::vector<Element>& elements, const char* name) const {
+        for (std::size_t e = 0; has_early_elements_ && e < elements.size(); ++e)
+            for (const int v : elements[e].v)
+                if (static_cast<std::size_t>(v) >= mesh_.x.size())
+                    fail_corner(e + 1, name, v + 1, mesh_.x.size());
+    }
+
     template <int N, class Element>
     void read_elements(std::vector<Element>& out, const char* name) {
-        if (!have_vertices_)
-            in_.fail(fmt::format(
-                "found {} before Vertices, expected vertices first; write the file again",
-                name));
+        has_early_elements_ |= !have_vertices_;
         const int count =
             in_.checked_count(in_.integer("a count"), std::size_t{2} * N, name);
         out.reserve(out.size() + static_cast<std::size_t>(count));
-        const auto num_vertices = static_cast<std::int64_t>(mesh_.x.size());
+        const std::int64_t largest =
+            have_vertices_ ? static_cast<std::int64_t>(mesh_.x.size()) : INT32_MAX;
         for (int i = 0; i < count; ++i) {
             Element element{};
             for (int k = 0; k < N; ++k) {
                 const std::int64_t v = in_.integer("a corner of an element");
-                if (v < 1 || v > num_vertices)
-                    in_.fail(
-                        fmt::format("element {} of the {} uses vertex {}, expected 1 to "
-                                    "{}; correct the "
-                                    "line or write the file again",
-                                    i + 1,
-                                    name,
-                                    v,
-                                    num_vertices));
+                if (v < 1 || v > largest)
+                    fail_corner(static_cast<std::size_t>(i) + 1,
+                                name,
+                                v,
+                                static_cast<std::size_t>(largest));
                 element[k] = static_cast<int>(v - 1);
             }
             in_.integer("the reference of an element");
@@ -139,13 +163,14 @@ class MeditReader {
     Cursor in_;
     Mesh mesh_;
     bool have_vertices_ = false;
+    bool has_early_elements_ = false;
     bool in_section_ = true;
 };
 
 }  // namespace
 
-Mesh read_medit(const std::string& path, std::string_view bytes) {
-    return MeditReader(path, bytes).read();
+Mesh read_medit(const std::string& path, std::string_view bytes, ReadPart part) {
+    return MeditReader(path, bytes).read(part);
 }
 
 }  // namespace noli::detail

@@ -69,11 +69,12 @@ class MshReader {
   public:
     MshReader(const std::string& path, std::string_view bytes) : in_(path, bytes) {}
 
-    Mesh read() {
+    Mesh read(ReadPart part) {
         in_.read_format();
         for (std::string_view name = in_.token(); !name.empty(); name = in_.token()) {
             if (name == "$Nodes") {
                 read_nodes();
+                if (part == ReadPart::Positions) return std::move(mesh_);
             } else if (name == "$Elements") {
                 read_elements();
             } else if (!skip_section(name)) {
@@ -301,8 +302,8 @@ int MshReader::find_node(std::int64_t tag, std::int64_t element) const {
 
 }  // namespace
 
-Mesh read_msh(const std::string& path, std::string_view bytes) {
-    return MshReader(path, bytes).read();
+Mesh read_msh(const std::string& path, std::string_view bytes, ReadPart part) {
+    return MshReader(path, bytes).read(part);
 }
 
 }  // namespace noli::detail

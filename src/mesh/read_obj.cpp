@@ -18,9 +18,9 @@ bool is_ignored(std::string_view key) {
     constexpr std::string_view kIgnored[] = {
         "vn",     "vt",       "vp",       "g",      "o",          "s",         "mg",
         "usemtl", "mtllib",   "usemap",   "maplib", "shadow_obj", "trace_obj", "lod",
-        "bevel",  "c_interp", "d_interp", "p",      "cstype",     "deg",       "bmat",
-        "step",   "curv",     "curv2",    "surf",   "parm",       "trim",      "hole",
-        "scrv",   "sp",       "end",      "con",    "call",       "csh"};
+        "bevel",  "c_interp", "d_interp", "cstype", "deg",        "bmat",      "step",
+        "curv",   "curv2",    "surf",     "parm",   "trim",       "hole",      "scrv",
+        "sp",     "end",      "con",      "call",   "csh"};
     return std::find(std::begin(kIgnored), std::end(kIgnored), key) != std::end(kIgnored);
 }
 
@@ -37,15 +37,20 @@ class ObjReader {
   public:
     ObjReader(const std::string& path, std::string_view bytes) : in_(path, bytes, '#') {}
 
-    Mesh read() {
+    Mesh read(ReadPart part) {
+        const bool only_points = part == ReadPart::Positions;
         while (in_.next_line()) {
             const std::string_view key = in_.token_in_line();
             if (key == "v") {
                 mesh_.x.push_back(read_point(in_));
+            } else if (only_points && (key == "f" || key == "l" || key == "p")) {
+                continue;
             } else if (key == "f") {
                 read_face();
             } else if (key == "l") {
                 read_line();
+            } else if (key == "p") {
+                read_points();
             } else if (!is_ignored(key)) {
                 in_.fail(
                     fmt::format("found {}, expected an OBJ keyword such as v or f; "
@@ -120,6 +125,17 @@ class ObjReader {
                 count));
     }
 
+    void read_points() {
+        const std::size_t before = mesh_.points.size();
+        for (std::string_view t = in_.token_in_line(); !t.empty();
+             t = in_.token_in_line())
+            mesh_.points.push_back(read_index(t));
+        if (mesh_.points.size() == before)
+            in_.fail(
+                "found a p line without a vertex, expected 1 or more; correct or remove "
+                "it");
+    }
+
     Cursor in_;
     Mesh mesh_;
     Polygons polygons_;
@@ -129,13 +145,15 @@ class ObjReader {
 
 }  // namespace
 
-Mesh read_obj(const std::string& path, std::string_view bytes) {
-    return ObjReader(path, bytes).read();
+Mesh read_obj(const std::string& path, std::string_view bytes, ReadPart part) {
+    return ObjReader(path, bytes).read(part);
 }
 
 Mesh read_seg(const std::string& path, std::string_view bytes) {
     Cursor in(path, bytes, '#');
     Mesh mesh;
+    std::int64_t largest = 0;  // number of a vertex, which may come later in the file
+    std::string place;
     while (in.next_line()) {
         const std::string_view key = in.token_in_line();
         if (key == "v") {
@@ -145,13 +163,13 @@ Mesh read_seg(const std::string& path, std::string_view bytes) {
             for (int k = 0; k < 2; ++k) {
                 const std::int64_t v =
                     in.parse_integer(in.token_in_line(), "an end of a segment");
-                if (v < 1 || v > static_cast<std::int64_t>(mesh.x.size()))
-                    in.fail(
-                        fmt::format("found vertex {}, expected 1 to {} (vertices come "
-                                    "before the segments "
-                                    "that use them); correct the line",
-                                    v,
-                                    mesh.x.size()));
+                if (v < 1 || v > INT32_MAX)
+                    in.fail(fmt::format(
+                        "found vertex {}, expected 1 or more; correct the line", v));
+                if (v > largest) {
+                    largest = v;
+                    place = in.place();
+                }
                 segment[k] = static_cast<int>(v - 1);
             }
             mesh.segments.push_back(segment);
@@ -162,6 +180,14 @@ Mesh read_seg(const std::string& path, std::string_view bytes) {
                             quoted(key)));
         }
     }
+    if (largest > static_cast<std::int64_t>(mesh.x.size()))
+        throw ReadFailure{
+            {Error::Code::BadMesh,
+             place,
+             fmt::format("found vertex {}, expected 1 to {}; correct the line or add the "
+                         "missing \"v x y z\" lines",
+                         largest,
+                         mesh.x.size())}};
     return mesh;
 }
 
@@ -172,7 +198,7 @@ Mesh read_pt(const std::string& path, std::string_view bytes) {
         const std::string_view key = in.token_in_line();
         if (key == "v")
             mesh.x.push_back(read_point(in));
-        else if (key != "f" && key != "l" && !is_ignored(key))
+        else if (key != "f" && key != "l" && key != "p" && !is_ignored(key))
             in.fail(fmt::format(
                 "found {}, expected \"v x y z\"; correct the line or put # before it",
                 quoted(key)));

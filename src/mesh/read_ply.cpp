@@ -33,10 +33,13 @@ class PlyReader {
   public:
     PlyReader(const std::string& path, std::string_view bytes) : in_(path, bytes) {}
 
-    Mesh read() {
+    Mesh read(ReadPart part) {
         read_header();
-        for (const Element& element : elements_)
+        for (const Element& element : elements_) {
             read_element(element);
+            if (part == ReadPart::Positions && element.name == "vertex")
+                return {.x = std::move(mesh_.x)};
+        }
         check_corners();
         mesh_.triangles = triangulated(mesh_.x, polygons_);
         return std::move(mesh_);
@@ -47,7 +50,7 @@ class PlyReader {
     void read_format();
     void read_property();
     [[nodiscard]] Type parse_type(std::string_view text) const;
-    void check_elements() const;
+    void check_header() const;
     void read_element(const Element& element);
     void read_vertex(const Element& element);
     void read_face(const Element& element);
@@ -60,7 +63,7 @@ class PlyReader {
 
     Cursor in_;
     Mesh mesh_;
-    bool ascii_ = true, swap_ = false;
+    bool has_format_ = false, ascii_ = true, swap_ = false;
     std::vector<Element> elements_;
     Polygons polygons_;
 };
@@ -71,15 +74,16 @@ void PlyReader::read_header() {
         in_.fail(fmt::format(
             "found {}, expected \"ply\"; this is no PLY file: check its extension",
             quoted(magic)));
-    read_format();
     while (in_.next_line()) {
         const std::string_view key = in_.token_in_line();
         if (key == "end_header") {
+            check_header();
             in_.skip_line();
-            check_elements();
             return;
         }
-        if (key == "element") {
+        if (key == "format") {
+            read_format();
+        } else if (key == "element") {
             const std::string name(in_.token_in_line());
             elements_.push_back(
                 {name, in_.parse_integer(in_.token_in_line(), "an element count"), {}});
@@ -87,19 +91,20 @@ void PlyReader::read_header() {
             read_property();
         } else if (key != "comment" && key != "obj_info") {
             in_.fail(
-                fmt::format("found {} in the header, expected element, property, comment "
-                            "or end_header; "
-                            "correct the line",
+                fmt::format("found {} in the header, expected format, element, property, "
+                            "comment or end_header; correct the line",
                             quoted(key)));
         }
     }
     in_.fail_truncated("\"end_header\"");
 }
 
+/// Comments may stand before this line, and elements too.
 void PlyReader::read_format() {
-    if (!in_.next_line()) in_.fail_truncated("the format line");
-    const std::string_view key = in_.token_in_line();
-    const std::string_view format = key == "format" ? in_.token_in_line() : key;
+    if (has_format_)
+        in_.fail("found a second format line, expected one; remove the wrong one");
+    has_format_ = true;
+    const std::string_view format = in_.token_in_line();
     constexpr bool kLittle = std::endian::native == std::endian::little;
     if (format == "binary_little_endian" || format == "binary_big_endian") {
         ascii_ = false;
@@ -143,7 +148,11 @@ void PlyReader::read_property() {
     elements_.back().properties.push_back(property);
 }
 
-void PlyReader::check_elements() const {
+void PlyReader::check_header() const {
+    if (!has_format_)
+        in_.fail(
+            "the header ends without a format line, expected one such as \"format ascii "
+            "1.0\"; add it or write the file again");
     bool has_vertices = false;
     for (const Element& element : elements_) {
         if (element.name == "tristrips" && element.count > 0)
@@ -315,8 +324,8 @@ void PlyReader::check_corners() const {
 
 }  // namespace
 
-Mesh read_ply(const std::string& path, std::string_view bytes) {
-    return PlyReader(path, bytes).read();
+Mesh read_ply(const std::string& path, std::string_view bytes, ReadPart part) {
+    return PlyReader(path, bytes).read(part);
 }
 
 }  // namespace noli::detail

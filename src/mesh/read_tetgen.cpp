@@ -3,6 +3,8 @@
 #include "mesh/cursor.hpp"
 #include "mesh/readers.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -22,6 +24,31 @@ void check_number(const Cursor& in,
             what,
             found,
             expected));
+}
+
+/// A pair without one of its files is no mesh: what is there must not pass for a cloud
+/// of points.
+void require_partner(const std::string& path,
+                     const std::string& partner,
+                     const char* holds) {
+    std::error_code ec;
+    if (std::filesystem::exists(path, ec) || !std::filesystem::exists(partner, ec))
+        return;
+    throw ReadFailure{
+        {Error::Code::FileNotReadable,
+         path,
+         fmt::format("there is no such file, expected {} that belong to {}; put it "
+                     "beside that file. For an obstacle of points write them to a .pt "
+                     "file, in lines \"v x y z\"",
+                     holds,
+                     std::filesystem::path(partner).filename().string())}};
+}
+
+bool is_same_but_for_case(std::string_view text, std::string_view lower) {
+    return std::equal(
+        text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
+            return std::tolower(static_cast<unsigned char>(a)) == b;
+        });
 }
 
 void require_line(Cursor& in, const char* what) {
@@ -101,14 +128,31 @@ void read_tets(const std::string& path,
 
 }  // namespace
 
-Mesh read_tetgen(const std::string& base_path, bool need_tets) {
+Mesh read_tetgen(const TetgenFiles& files, ReadPart part) {
     Mesh mesh;
-    const std::string node_path = base_path + ".node", ele_path = base_path + ".ele";
-    const std::int64_t base = read_nodes(node_path, load_file(node_path), mesh);
-    std::error_code ec;
-    if (need_tets || std::filesystem::exists(ele_path, ec))
-        read_tets(ele_path, load_file(ele_path), base, mesh);
+    require_partner(files.node, files.ele, "the points");
+    const std::int64_t base = read_nodes(files.node, load_file(files.node), mesh);
+    if (part == ReadPart::Positions) return mesh;
+    require_partner(files.ele, files.node, "the tetrahedra");
+    read_tets(files.ele, load_file(files.ele), base, mesh);
     return mesh;
+}
+
+TetgenFiles tetgen_files(const std::string& path) {
+    namespace fs = std::filesystem;
+    const std::string extension = fs::path(path).extension().string();
+    const bool is_node = is_same_but_for_case(extension, ".node");
+    const bool is_ele = is_same_but_for_case(extension, ".ele");
+    const std::string base =
+        is_node || is_ele ? fs::path(path).replace_extension().string() : path;
+    std::error_code ec;
+    const auto beside = [&](const char* lower, const char* upper) {
+        const bool other_case =
+            !fs::exists(base + lower, ec) && fs::exists(base + upper, ec);
+        return base + (other_case ? upper : lower);
+    };
+    return {is_node ? path : beside(".node", ".NODE"),
+            is_ele ? path : beside(".ele", ".ELE")};
 }
 
 }  // namespace noli::detail

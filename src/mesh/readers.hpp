@@ -11,18 +11,29 @@
 
 namespace noli::detail {
 
-Mesh read_msh(const std::string& path, std::string_view bytes);
-Mesh read_medit(const std::string& path, std::string_view bytes);
-Mesh read_obj(const std::string& path, std::string_view bytes);
-Mesh read_ply(const std::string& path, std::string_view bytes);
+/// What is wanted of a file: elements that are not wanted are not parsed, except where
+/// they stand before the vertices.
+enum class ReadPart { All, Positions };
+
+Mesh read_msh(const std::string& path, std::string_view bytes, ReadPart part);
+Mesh read_medit(const std::string& path, std::string_view bytes, ReadPart part);
+Mesh read_obj(const std::string& path, std::string_view bytes, ReadPart part);
+Mesh read_ply(const std::string& path, std::string_view bytes, ReadPart part);
 Mesh read_stl(const std::string& path, std::string_view bytes);
 /// "v" and "s" lines; an empty Mesh when the text has neither.
 Mesh read_seg(const std::string& path, std::string_view bytes);
 /// "v" lines.
 Mesh read_pt(const std::string& path, std::string_view bytes);
 
-/// base.node and, if it exists or is required, base.ele.
-Mesh read_tetgen(const std::string& base, bool need_tets);
+/// The two files of a TetGen mesh.
+struct TetgenFiles {
+    std::string node, ele;
+};
+/// Those that "ball.node", "ball.ele" or "ball" stand for, in the case of letters in
+/// which they are there.
+TetgenFiles tetgen_files(const std::string& path);
+/// Needs both files; of positions only the first.
+Mesh read_tetgen(const TetgenFiles& files, ReadPart part);
 
 /// Polygons with any number of corners, as surface files store them.
 struct Polygons {

@@ -3,7 +3,10 @@
 
 #include "mesh/check.hpp"
 #include "mesh/read.hpp"
+#include "mesh/topology.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -70,19 +73,36 @@ bool mesh_file_exists(const std::string& path) {
         && fs::is_regular_file(fs::path(given).replace_extension(".obj"), ec);
 }
 
+CheckOptions body_check_options(bool fix_orientation) {
+    return {.fix_orientation = fix_orientation,
+            .drop_unreferenced = false,
+            .allow_non_manifold = true};
+}
+
+Result<Mesh> read_body_mesh(const std::string& path) {
+    Result<Mesh> read = read_mesh(path);
+    if (!read || read.value().triangles.empty()) return read;
+    std::string extension = fs::path(path).extension().string();
+    std::transform(
+        extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
+            return static_cast<char>(std::tolower(c));
+        });
+    const bool marks_boundaries = extension == ".msh" || extension == ".mesh";
+    Mesh& mesh = read.value();
+    mesh.segments = marks_boundaries ? std::vector<Int2>{} : loose_segments(mesh);
+    return read;
+}
+
 Result<Mesh> load_body_mesh(const MeshSource& source,
                             const std::string& base_folder,
                             std::vector<std::string>* warnings) {
     const bool from_file = !source.file.empty();
     const std::string path =
         from_file ? resolve_path(source.file, base_folder) : source.generator;
-    Result<Mesh> mesh = from_file ? read_mesh(path) : generate(source);
+    Result<Mesh> mesh = from_file ? read_body_mesh(path) : generate(source);
     if (!mesh) return mesh.error();
 
-    // Vertices stay as they are in the file: selections and sequences count them.
-    const CheckOptions options{.fix_orientation = source.fix_orientation,
-                               .drop_unreferenced = false,
-                               .allow_non_manifold = true};
+    const CheckOptions options = body_check_options(source.fix_orientation);
     MeshReport report;
     const MeshRole role = natural_role(mesh.value());
     Result<Mesh> good = checked(std::move(mesh.value()), path, role, options, &report);

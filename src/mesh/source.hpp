@@ -6,6 +6,7 @@
 #include "noli/result.hpp"
 #include "noli/scene.hpp"
 
+#include "mesh/check.hpp"
 #include "mesh/mesh.hpp"
 
 #include <functional>
@@ -55,6 +56,14 @@ std::string resolve_path(const std::string& path, const std::string& base_folder
 /// Whether read_mesh would find a file: also for TetGen names without extension, and for
 /// .seg and .pt beside an .obj of the same name.
 bool mesh_file_exists(const std::string& path);
+
+/// What is asked of the mesh of a body: vertices stay as they are in the file, for
+/// selections and sequences count them.
+CheckOptions body_check_options(bool fix_orientation = false);
+
+/// read_mesh, without segments that only name edges of triangles or boundaries of
+/// regions, as Gmsh and MEDIT write them: in other formats they are meant.
+Result<Mesh> read_body_mesh(const std::string& path);
 
 /// Reads or generates the mesh, and checks it; vertices keep the order of the file.
 /// Warnings of the check are added to `warnings`. Errors: FileNotReadable, BadMesh;

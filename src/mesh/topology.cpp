@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numeric>
 #include <tuple>
 
@@ -158,6 +159,39 @@ std::vector<int> used_vertices(const std::vector<Int2>& segments) {
     return sorted_vertices(segments);
 }
 
+std::vector<std::uint8_t> referenced_vertices(const Mesh& mesh) {
+    const MeshRole role = natural_role(mesh);
+    const bool cloud = role == MeshRole::Points && mesh.points.empty();
+    std::vector<std::uint8_t> used(mesh.x.size(), cloud ? 1 : 0);
+    const auto mark = [&](const auto& elements) {
+        for (const auto& e : elements)
+            for (const int v : e.v)
+                used[static_cast<std::size_t>(v)] = 1;
+    };
+    mark(mesh.tets);
+    if (role == MeshRole::Solid) return used;
+    mark(mesh.triangles);
+    mark(mesh.segments);
+    for (const int v : mesh.points)
+        used[static_cast<std::size_t>(v)] = 1;
+    return used;
+}
+
+std::vector<Int2> loose_segments(const Mesh& mesh) {
+    std::vector<std::pair<int, int>> edges;
+    for (const Int2& e : unique_edges(mesh.triangles))
+        edges.emplace_back(e[0], e[1]);  // sorted, the smaller end first
+    std::vector<Int2> loose;
+    std::copy_if(mesh.segments.begin(),
+                 mesh.segments.end(),
+                 std::back_inserter(loose),
+                 [&](const Int2& s) {
+                     const std::pair<int, int> ends = std::minmax(s[0], s[1]);
+                     return !std::binary_search(edges.begin(), edges.end(), ends);
+                 });
+    return loose;
+}
+
 std::vector<int> first_equal_vertex(const std::vector<Vec3d>& x) {
     std::vector<int> order(x.size());
     std::iota(order.begin(), order.end(), 0);
@@ -214,6 +248,8 @@ std::vector<int> drop_unreferenced_vertices(Mesh& mesh) {
     mark(mesh.tets);
     mark(mesh.triangles);
     mark(mesh.segments);
+    for (const int v : mesh.points)
+        new_index[static_cast<std::size_t>(v)] = 0;
     std::vector<int> kept;
     for (std::size_t i = 0; i < mesh.x.size(); ++i) {
         if (new_index[i] < 0) continue;
@@ -225,6 +261,8 @@ std::vector<int> drop_unreferenced_vertices(Mesh& mesh) {
     renumber(mesh.tets, new_index);
     renumber(mesh.triangles, new_index);
     renumber(mesh.segments, new_index);
+    for (int& v : mesh.points)
+        v = new_index[static_cast<std::size_t>(v)];
     return kept;
 }
 

@@ -5,6 +5,7 @@
 
 #include "mesh/mesh.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace noli {
@@ -25,6 +26,13 @@ std::vector<Int2> unique_edges(const std::vector<Int4>& tets);
 std::vector<int> used_vertices(const std::vector<Int4>& tets);
 std::vector<int> used_vertices(const std::vector<Int3>& triangles);
 std::vector<int> used_vertices(const std::vector<Int2>& segments);
+
+/// Per vertex: 1 if it belongs to an element of the mesh's natural role, or to a cloud of
+/// points. The others have no part in a body: not in its box, not in its motion.
+std::vector<std::uint8_t> referenced_vertices(const Mesh& mesh);
+
+/// Segments that are no edges of triangles.
+std::vector<Int2> loose_segments(const Mesh& mesh);
 
 /// first[i] is the smallest index whose coordinates equal those of i (-0 equals 0); no
 /// NaN allowed.

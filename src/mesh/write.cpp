@@ -163,6 +163,8 @@ Sink obj(const Mesh& mesh) {
         out.text("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
     for (const Int2& s : mesh.segments)
         out.text("l {} {}\n", s[0] + 1, s[1] + 1);
+    for (const int v : mesh.points)
+        out.text("p {}\n", v + 1);
     return out;
 }
 
@@ -291,6 +293,8 @@ std::optional<Error> check_format(const std::string& path,
                              || ext == ".ply" || ext == ".seg";
     if (!holds_segments && !mesh.segments.empty())
         return refuse(path, "segments", "write .seg, .obj, .ply, .msh or .mesh");
+    if (ext != ".obj" && !mesh.points.empty())
+        return refuse(path, "points beside other elements", "write .obj");
     return std::nullopt;
 }
 

@@ -46,6 +46,17 @@ bool is_load(BoundaryCondition::Kind kind) {
         || kind == BoundaryCondition::Kind::Acceleration;
 }
 
+/// A vertex is free, prescribed on single axes, or wholly prescribed.
+void settle_axes(StepBoundary& out) {
+    bool any = false;
+    for (std::size_t v = 0; v < out.axes.size(); ++v) {
+        if (out.axes[v] == kAllAxes) out.prescribed[v] = 1;
+        if (out.prescribed[v] != 0) out.axes[v] = 0;
+        any = any || out.axes[v] != 0;
+    }
+    if (!any) out.axes.clear();
+}
+
 }  // namespace
 
 BoundaryScript::BoundaryScript(const Model& model, const Vector3& gravity)
@@ -108,18 +119,28 @@ void BoundaryScript::apply_load(int index, StepBoundary& out) const {
             scale * to_vec3(condition.what.linear);
 }
 
-/// Marks the condition's vertices and puts them where they are after `share` of the step.
+/// Marks the condition's vertices and puts them where they are at the end of a leg, on
+/// the axes that it prescribes.
 void BoundaryScript::prescribe(int index,
                                const Step& step,
-                               double share,
-                               std::vector<std::uint8_t>& prescribed,
-                               std::vector<Vec3d>& position) const {
+                               int leg,
+                               StepBoundary& out) const {
     using Kind = BoundaryCondition::Kind;
     const ModelCondition& condition = model_->conditions[static_cast<std::size_t>(index)];
     const BoundaryCondition& what = condition.what;
+    const double share =
+        static_cast<double>(leg + 1) / static_cast<double>(out.path.size());
+    std::vector<Vec3d>& position = out.path[static_cast<std::size_t>(leg)];
     const auto put = [&](int vertex, const Vec3d& at) {
-        prescribed[static_cast<std::size_t>(vertex)] = 1;
-        position[static_cast<std::size_t>(vertex)] = at;
+        const auto v = static_cast<std::size_t>(vertex);
+        if (what.axes == kAllAxes) {
+            out.prescribed[v] = 1;
+            position[v] = at;
+            return;
+        }
+        out.axes[v] |= static_cast<std::uint8_t>(what.axes);
+        for (int k = 0; k < 3; ++k)
+            if (((what.axes >> k) & 1) != 0) position[v][k] = at[k];
     };
     const auto now = [&](int vertex) { return step.x[static_cast<std::size_t>(vertex)]; };
 
@@ -158,6 +179,7 @@ void BoundaryScript::evaluate(
     double t, double dt, int step, std::span<const Vec3d> x, StepBoundary& out) {
     const std::size_t n = static_cast<std::size_t>(model_->num_vertices);
     out.prescribed.assign(n, 0);
+    out.axes.assign(n, 0);
     out.acceleration.assign(n, gravity_);
     for (std::size_t v = 0; v < n; ++v)
         out.prescribed[v] = model_->obstacle[v];
@@ -175,12 +197,9 @@ void BoundaryScript::evaluate(
             continue;
         }
         for (int leg = 0; leg < legs; ++leg)
-            prescribe(index,
-                      now,
-                      static_cast<double>(leg + 1) / legs,
-                      out.prescribed,
-                      out.path[static_cast<std::size_t>(leg)]);
+            prescribe(index, now, leg, out);
     }
+    settle_axes(out);
 
     out.num_prescribed = 0;
     for (std::size_t v = 0; v < n; ++v)

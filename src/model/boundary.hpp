@@ -17,7 +17,10 @@ inline constexpr double kLargestTurn = 30.0;
 /// Boundary data of one step; arrays are per vertex.
 struct StepBoundary {
     std::vector<std::uint8_t> prescribed;  ///< 1 = position given by `path`
-    std::vector<Vec3d> acceleration;       ///< gravity and applied forces, m/s^2
+    /// Bit k: coordinate k is given by `path`, the vertex free otherwise; 0 for all
+    /// others. Empty if there are no such vertices.
+    std::vector<std::uint8_t> axes;
+    std::vector<Vec3d> acceleration;  ///< gravity and applied forces, m/s^2
     /// Positions on the way, m: those at the end of the step come last. There is more
     /// than one entry if something turns by more than kLargestTurn in the step: a chord
     /// of such an arc would crush the body that turns.
@@ -50,11 +53,7 @@ class BoundaryScript {
     [[nodiscard]] bool acts(int index, const Step& step) const;
     [[nodiscard]] double largest_turn(const Step& step) const;
     void apply_load(int index, StepBoundary& out) const;
-    void prescribe(int index,
-                   const Step& step,
-                   double share,
-                   std::vector<std::uint8_t>& prescribed,
-                   std::vector<Vec3d>& position) const;
+    void prescribe(int index, const Step& step, int leg, StepBoundary& out) const;
 
     const Model* model_;
     Vec3d gravity_;

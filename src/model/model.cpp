@@ -6,6 +6,7 @@
 #include "mesh/topology.hpp"
 #include "model/rotation.hpp"
 #include "model/select.hpp"
+#include "model/sequence.hpp"
 #include "model/settings.hpp"
 
 #include <algorithm>
@@ -58,13 +59,34 @@ class Builder {
                          "the scene has no bodies; add at least one"};
         sort_tets();
         model_.tet_source = source_;
-        add_planes(scene_, model_);
+        if (Status loaded = load_sequences(scene_.base_folder, model_); !loaded)
+            return loaded.error();
+        add_walls(scene_, model_);
         set_contact_rules(scene_, source_body_, model_);
         resolve_scales(scene_, model_);
+        Status fits = check_containers();
+        if (!fits) return fits.error();
         return std::move(model_);
     }
 
   private:
+    /// The barrier of a container must end before its centre, where its wall has no
+    /// normal.
+    Status check_containers() const {
+        for (std::size_t k = 0; k < scene_.containers.size(); ++k)
+            if (!(model_.dhat + model_.min_separation < scene_.containers[k].radius))
+                return Error{Error::Code::InvalidScene,
+                             fmt::format("{}:/containers/{}/radius",
+                                         scene_.name.empty() ? "scene" : scene_.name,
+                                         k),
+                             fmt::format("found a radius of {:g} m, expected more than "
+                                         "{:g} m, where its barrier begins; "
+                                         "reduce contact/dhat",
+                                         scene_.containers[k].radius,
+                                         model_.dhat + model_.min_separation)};
+        return Done{};
+    }
+
     Status add_body(std::size_t index) {
         const Body& body = scene_.bodies[index];
         std::vector<std::string> notes;
@@ -122,10 +144,17 @@ class Builder {
         if (elastic) {
             Status added = add_tets(index, mesh, first, name);
             if (!added) return added.error();
-            drop_unreferenced(mesh, first, name);
         }
-        add_velocity(body, first, count);
-        return add_conditions(index, mesh, file_x, first, name);
+        const std::vector<std::uint8_t> used = referenced_vertices(mesh);
+        set_aside_unreferenced(used, first);
+        add_velocity(body, used, first);
+        return add_conditions(index,
+                              {.mesh = mesh,
+                               .file_x = file_x,
+                               .x = model_.x0,
+                               .used = used,
+                               .first = first},
+                              name);
     }
 
     Status add_tets(std::size_t index,
@@ -171,18 +200,14 @@ class Builder {
         return Done{};
     }
 
-    /// Vertices that no tetrahedron uses have no mass: they stay where they are.
-    void drop_unreferenced(const Mesh& mesh, int first, const std::string& name) {
-        int unused = 0;
-        for (std::size_t v = 0; v < mesh.x.size(); ++v)
-            if (model_.mass[static_cast<std::size_t>(first) + v] == 0.0) {
-                model_.obstacle[static_cast<std::size_t>(first) + v] = 1;
-                ++unused;
-            }
-        if (unused > 0)
-            warn(name,
-                 fmt::format("{} vertices belong to no tetrahedron and are ignored",
-                             unused));
+    /// Vertices without an element stay where they are. The check of the mesh has warned
+    /// of them.
+    void set_aside_unreferenced(const std::vector<std::uint8_t>& used, int first) {
+        for (std::size_t v = 0; v < used.size(); ++v) {
+            if (used[v] != 0) continue;
+            model_.obstacle[static_cast<std::size_t>(first) + v] = 1;
+            model_.unreferenced.push_back(first + static_cast<int>(v));
+        }
     }
 
     void add_surface(const Mesh& mesh, int first) {
@@ -208,18 +233,19 @@ class Builder {
             used[static_cast<std::size_t>(edges[e][0])] = 1;
             used[static_cast<std::size_t>(edges[e][1])] = 1;
         }
-        const bool points_only =
-            mesh.tets.empty() && triangles.empty() && mesh.segments.empty();
+        if (mesh.tets.empty()) used = referenced_vertices(mesh);
         for (std::size_t v = 0; v < used.size(); ++v)
-            if (used[v] != 0 || points_only)
+            if (used[v] != 0)
                 model_.surface_vertices.push_back(first + static_cast<int>(v));
     }
 
-    void add_velocity(const Body& body, int first, int count) {
+    void add_velocity(const Body& body,
+                      const std::vector<std::uint8_t>& used,
+                      int first) {
         const Vec3d spin =
             (std::numbers::pi / 180.0) * to_vec3(body.angular_velocity_deg);
-        const Vec3d center = bounding_box_center(model_.x0, first, count);
-        for (int v = first; v < first + count; ++v) {
+        const Vec3d center = used_box_center(model_.x0, first, used);
+        for (int v = first; v < model_.num_vertices; ++v) {
             const bool moves = model_.obstacle[static_cast<std::size_t>(v)] == 0;
             const Vec3d arm = model_.x0[static_cast<std::size_t>(v)] - center;
             model_.v0.push_back(moves ? to_vec3(body.velocity) + cross(spin, arm)
@@ -228,19 +254,13 @@ class Builder {
     }
 
     Status add_conditions(std::size_t index,
-                          const Mesh& mesh,
-                          const std::vector<Vec3d>& file_x,
-                          int first,
+                          const PlacedBody& placed,
                           const std::string& name) {
         const Body& body = scene_.bodies[index];
         for (std::size_t c = 0; c < body.boundary.size(); ++c) {
             const std::string place =
                 fmt::format("{}/boundary/{}", body_place(scene_, index), c);
-            Result<ModelCondition> made = make_condition(
-                body.boundary[c],
-                {.mesh = mesh, .file_x = file_x, .x = model_.x0, .first = first},
-                place,
-                scene_.base_folder);
+            Result<ModelCondition> made = make_condition(body.boundary[c], placed, place);
             if (!made) return made.error();
             made.value().body = model_.num_bodies() - 1;
             if (made.value().vertices.empty())
@@ -295,6 +315,20 @@ class Builder {
 };
 
 }  // namespace
+
+std::vector<Vec3d> Model::places() const {
+    std::vector<Vec3d> out = x0;
+    const auto stray = [&](int v) {
+        return std::binary_search(unreferenced.begin(), unreferenced.end(), v);
+    };
+    int stand_in = 0;
+    while (stand_in < num_vertices && stray(stand_in))
+        ++stand_in;
+    if (stand_in < num_vertices)
+        for (const int v : unreferenced)
+            out[static_cast<std::size_t>(v)] = x0[static_cast<std::size_t>(stand_in)];
+    return out;
+}
 
 Result<Model> build_model(const Scene& scene, std::vector<SceneWarning>* warnings) {
     return Builder(scene, warnings).build();

@@ -6,6 +6,7 @@
 #include "noli/scene.hpp"
 
 #include "core/vec.hpp"
+#include "geometry/wall.hpp"
 
 #include <array>
 #include <cstdint>
@@ -23,7 +24,7 @@ struct ModelCondition {
     int body = 0;
     std::string where;               ///< "body 'ball', condition 2", for messages
     std::vector<int> vertices;       ///< global, ascending
-    std::vector<int> body_vertices;  ///< all vertices of the body (for `until`)
+    std::vector<int> body_vertices;  ///< all of the body that have elements (for `until`)
     Vec3d start_center{};  ///< bounding-box centre of the selection in the initial
                            ///< placement
     std::vector<std::vector<Vec3d>>
@@ -41,6 +42,8 @@ struct Model {
     std::vector<Vec3d> v0;               ///< initial velocities, m/s
     std::vector<double> mass;            ///< lumped, kg; 0 for obstacles
     std::vector<std::uint8_t> obstacle;  ///< per vertex: 1 = not part of an elastic body
+    std::vector<int> unreferenced;       ///< vertices without an element, ascending: they
+                                         ///< keep their numbers and nothing else
 
     std::vector<Int4> tets;      ///< ordered by elastic model
     std::vector<Mat3d> dm_inv;   ///< inverse rest edge matrix, 1/m
@@ -59,30 +62,39 @@ struct Model {
     std::vector<Int3> triangles;
     std::vector<Int2> segments;  ///< those edges that belong to no triangle
 
-    struct Plane {
+    struct NamedWall {
         std::string name;
-        Vec3d normal;   ///< unit
-        double offset;  ///< the allowed side is normal.x > offset
+        Wall wall;
     };
-    std::vector<Plane> planes;
-    std::vector<std::uint8_t> pair_enabled;   ///< bodies x bodies
-    std::vector<double> pair_friction;        ///< bodies x bodies
-    std::vector<std::uint8_t> plane_enabled;  ///< planes x bodies
-    std::vector<double> plane_friction;       ///< planes x bodies
+    std::vector<NamedWall> walls;            ///< half-spaces, then containers
+    std::vector<std::uint8_t> pair_enabled;  ///< bodies x bodies
+    std::vector<double> pair_friction;       ///< bodies x bodies
+    std::vector<std::uint8_t> wall_enabled;  ///< walls x bodies
+    std::vector<double> wall_friction;       ///< walls x bodies
 
     std::vector<ModelCondition> conditions;
 
-    double diagonal = 0.0;   ///< length scale of relative settings, m
-    double dhat = 0.0;       ///< m
-    double epsv = 0.0;       ///< m/s
-    double mean_mass = 0.0;  ///< over vertices with mass, kg
+    double diagonal = 0.0;        ///< length scale of relative settings, m
+    double dhat = 0.0;            ///< m
+    double min_separation = 0.0;  ///< m
+    double epsv = 0.0;            ///< m/s
+    double mean_mass = 0.0;       ///< over vertices with mass, kg
     double total_mass = 0.0;
 
     [[nodiscard]] int num_bodies() const { return static_cast<int>(body_names.size()); }
     [[nodiscard]] int num_tets() const { return static_cast<int>(tets.size()); }
+    /// x0, with vertices without an element at the place of one that has some: for who
+    /// orders vertices by place.
+    [[nodiscard]] std::vector<Vec3d> places() const;
     /// Newton tolerance of step k (0 = first), in m/s.
     [[nodiscard]] double tolerance(const SolverSettings& solver, int k) const;
 };
+
+/// The walls alone, as kernels take them.
+std::vector<Wall> walls_of(const Model& model);
+
+/// "half-space "floor"" or "container "drum"", for messages.
+std::string describe_wall(const Model& model, int wall);
 
 /// Loads and checks all meshes, places the bodies, resolves relative settings.
 /// Errors name the body; `warnings` receives what was odd but harmless.

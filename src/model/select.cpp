@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/select.hpp"
 
-#include "mesh/source.hpp"
 #include "mesh/topology.hpp"
 
 #include <algorithm>
@@ -16,11 +15,14 @@ struct Box {
     Vec3d lo, hi;
 };
 
-Box bounding_box(const std::vector<Vec3d>& x, int first, int count) {
+Box used_box(const std::vector<Vec3d>& x,
+             int first,
+             const std::vector<std::uint8_t>& used) {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     Box box{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
-    for (int v = first; v < first + count; ++v) {
-        const Vec3d& p = x[static_cast<std::size_t>(v)];
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        if (used[v] == 0) continue;
+        const Vec3d& p = x[static_cast<std::size_t>(first) + v];
         for (int k = 0; k < 3; ++k) {
             box.lo[k] = std::min(box.lo[k], p[k]);
             box.hi[k] = std::max(box.hi[k], p[k]);
@@ -34,7 +36,7 @@ Box selection_box(const Selection& selection, const PlacedBody& body) {
     Box box{{selection.box_min[0], selection.box_min[1], selection.box_min[2]},
             {selection.box_max[0], selection.box_max[1], selection.box_max[2]}};
     if (selection.frame == Selection::Frame::World) return box;
-    const Box mesh = bounding_box(body.file_x, 0, static_cast<int>(body.file_x.size()));
+    const Box mesh = used_box(body.file_x, 0, body.used);
     for (int k = 0; k < 3; ++k) {
         const double extent = mesh.hi[k] - mesh.lo[k];
         box.lo[k] = mesh.lo[k] + box.lo[k] * extent;
@@ -51,7 +53,7 @@ bool inside(const Box& box, const Vec3d& p) {
 
 std::vector<int> select_box(const Selection& selection, const PlacedBody& body) {
     const Box box = selection_box(selection, body);
-    std::vector<std::uint8_t> allowed(body.file_x.size(), 1);
+    std::vector<std::uint8_t> allowed = body.used;
     if (selection.surface_only && !body.mesh.tets.empty()) {
         std::fill(allowed.begin(), allowed.end(), 0);
         for (const Int3& t : boundary_triangles(body.mesh.tets))
@@ -69,43 +71,25 @@ std::vector<int> select_box(const Selection& selection, const PlacedBody& body) 
     return found;
 }
 
-Status load_sequence(ModelCondition& condition,
-                     const PlacedBody& body,
-                     const std::string& base_folder) {
-    for (const std::string& file : condition.what.sequence) {
-        Result<Mesh> frame = load_body_mesh(MeshSource{.file = file}, base_folder);
-        if (!frame) return frame.error();
-        if (frame.value().x.size() != body.file_x.size())
-            return Error{
-                Error::Code::BadMesh,
-                condition.where,
-                fmt::format("\"{}\" has {} vertices, expected {} as in the body's mesh",
-                            file,
-                            frame.value().x.size(),
-                            body.file_x.size())};
-        std::vector<Vec3d>& positions = condition.sequence.emplace_back();
-        for (const int v : condition.vertices)
-            positions.push_back(
-                frame.value().x[static_cast<std::size_t>(v - body.first)]);
-    }
-    return Done{};
-}
-
 }  // namespace
 
-Vec3d bounding_box_center(const std::vector<Vec3d>& x, int first, int count) {
-    const Box box = bounding_box(x, first, count);
+Vec3d used_box_center(const std::vector<Vec3d>& x,
+                      int first,
+                      const std::vector<std::uint8_t>& used) {
+    const Box box = used_box(x, first, used);
     return 0.5 * (box.lo + box.hi);
 }
 
 Result<ModelCondition> make_condition(const BoundaryCondition& what,
                                       const PlacedBody& body,
-                                      const std::string& where,
-                                      const std::string& base_folder) {
+                                      const std::string& where) {
     ModelCondition made{.what = what, .where = where};
     const int count = static_cast<int>(body.file_x.size());
+    const auto is_used = [&](int v) {
+        return body.used[static_cast<std::size_t>(v)] != 0;
+    };
     for (int v = 0; v < count; ++v)
-        made.body_vertices.push_back(body.first + v);
+        if (is_used(v)) made.body_vertices.push_back(body.first + v);
 
     const Selection& selection = what.selection;
     if (selection.kind == Selection::Kind::All) made.vertices = made.body_vertices;
@@ -119,7 +103,7 @@ Result<ModelCondition> make_condition(const BoundaryCondition& what,
                     where + "/select/vertices",
                     fmt::format(
                         "vertex {} does not exist, expected 0..{}", v, count - 1)};
-            made.vertices.push_back(body.first + v);
+            if (is_used(v)) made.vertices.push_back(body.first + v);
         }
     std::sort(made.vertices.begin(), made.vertices.end());
     made.vertices.erase(std::unique(made.vertices.begin(), made.vertices.end()),
@@ -129,11 +113,9 @@ Result<ModelCondition> make_condition(const BoundaryCondition& what,
         std::vector<Vec3d> selected;
         for (const int v : made.vertices)
             selected.push_back(body.x[static_cast<std::size_t>(v)]);
-        made.start_center =
-            bounding_box_center(selected, 0, static_cast<int>(selected.size()));
+        const std::vector<std::uint8_t> all(selected.size(), 1);
+        made.start_center = used_box_center(selected, 0, all);
     }
-    Status loaded = load_sequence(made, body, base_folder);
-    if (!loaded) return loaded.error();
     return made;
 }
 

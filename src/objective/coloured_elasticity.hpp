@@ -33,6 +33,7 @@ struct TetBlockKernel {
     TetBlock block;
     View<const Vec3d> x;
     double scale;
+    bool project;
     SumOutput out;
 
     template <int W>
@@ -72,8 +73,8 @@ struct TetBlockKernel {
 
     template <int W>
     void differentiate(const TetGroup& tets, int j, GroupBlocks& to) const {
-        const auto all = tet_derivatives<M, kResist>(load_tets<W>(tets, x, j, scale),
-                                                     load_lame<W>(tets, j));
+        const auto all = tet_derivatives<M, kResist>(
+            load_tets<W>(tets, x, j, scale), load_lame<W>(tets, j), project);
         int slot = 0;
 #pragma GCC unroll 4
         for (int a = 0; a < 4; ++a) {
@@ -108,7 +109,7 @@ class ColouredElasticity {
         groups_ = group_tets(model, partition_);
     }
 
-    /// matrix = Hessian of scale V Psi(F), projected, + diagonal * identity;
+    /// matrix = Hessian of scale V Psi(F), projected or exact, + diagonal * identity;
     /// gradient += its gradient, unless gradient is empty.
     template <class Exec>
     void assemble(Exec& exec,
@@ -118,6 +119,7 @@ class ColouredElasticity {
                   View<const double> diagonal,
                   View<Vec3d> gradient,
                   BlockMatrix<Exec>& matrix,
+                  bool project = true,
                   LaneDispatch dispatch = lane_dispatch()) const {
         [[maybe_unused]] const auto threads = exec.stand_by();
         const detail::SumOutput out{
@@ -129,7 +131,7 @@ class ColouredElasticity {
             exec.for_each(
                 "objective/coloured_elasticity",
                 last - first,
-                [&](int b) { add_block(first + b, x, scale, out, dispatch); },
+                [&](int b) { add_block(first + b, x, scale, project, out, dispatch); },
                 kBlocksPerTask);
         }
         for (const int row : sums_.untouched) {
@@ -144,6 +146,7 @@ class ColouredElasticity {
     void add_block(int b,
                    View<const Vec3d> x,
                    double scale,
+                   bool project,
                    const detail::SumOutput& out,
                    LaneDispatch dispatch) const {
         const auto k = static_cast<std::size_t>(b);
@@ -160,13 +163,13 @@ class ColouredElasticity {
         switch (static_cast<ElasticModel>(partition_.block_range[k])) {
             case ElasticModel::StableNeoHookean:
                 return run(detail::TetBlockKernel<ElasticModel::StableNeoHookean>{
-                    block, x, scale, out});
+                    block, x, scale, project, out});
             case ElasticModel::NeoHookean:
                 return run(detail::TetBlockKernel<ElasticModel::NeoHookean>{
-                    block, x, scale, out});
+                    block, x, scale, project, out});
             case ElasticModel::FixedCorotated:
                 return run(detail::TetBlockKernel<ElasticModel::FixedCorotated>{
-                    block, x, scale, out});
+                    block, x, scale, project, out});
         }
     }
 

@@ -2,16 +2,17 @@
 #pragma once
 /// Barrier and friction of the active pairs: their energies, and the low-rank terms that
 /// stand for them in the operator: one after the other those of PP, PE, PT, EE, mollified
-/// pairs, half-spaces and, if asked for, friction.
+/// pairs, walls and, if asked for, friction.
 
 #include "contact/pairs.hpp"
 #include "core/timer.hpp"
 #include "linear/low_rank.hpp"
 #include "model/model.hpp"
 #include "objective/device_model.hpp"
-#include "objective/friction_terms.hpp"
+#include "objective/friction_forces.hpp"
 #include "objective/pair_terms.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -36,20 +37,22 @@ void close_term_ranges(Exec& exec, View<int> first_mode, int num_modes) {
 /// Modes per pair of each list.
 struct PairRanks {
     int pp, pe, four_points, mollified;
-    static constexpr int kPlane = 1, kFriction = 2;
+    int wall;
+    static constexpr int kFriction = 2;
 
-    explicit PairRanks(const ContactLaw& law)
+    PairRanks(const ContactLaw& law, int wall_rank)
         : pp(max_rank(PairKind::PointPoint, law.hessian)),
           pe(max_rank(PairKind::PointEdge, law.hessian)),
           four_points(max_rank(PairKind::EdgeEdge, law.hessian)),
-          mollified(max_rank(law.mollified)) {}
+          mollified(max_rank(law.mollified)),
+          wall(wall_rank) {}
 
     /// Modes of all pairs, without friction.
     template <class Exec>
     [[nodiscard]] int num_modes(const PairSet<Exec>& pairs) const {
         return pp * pairs.pp.size() + pe * pairs.pe.size()
              + four_points * (pairs.pt.size() + pairs.ee.size())
-             + mollified * pairs.mollified.size() + kPlane * pairs.planes.size();
+             + mollified * pairs.mollified.size() + wall * pairs.walls.size();
     }
 };
 
@@ -62,10 +65,11 @@ class ContactTerms {
     using Buffer = typename Exec::template Buffer<T>;
 
     void upload(Exec& exec, const Model& model) {
-        std::vector<CollisionMesh::Plane> planes;
-        for (const Model::Plane& plane : model.planes)
-            planes.push_back({plane.normal, plane.offset});
-        exec.upload(planes, planes_);
+        const std::vector<Wall> walls = walls_of(model);
+        exec.upload(walls, walls_);
+        wall_rank_ = 1;
+        for (const Wall& wall : walls)
+            wall_rank_ = std::max(wall_rank_, 1 + num_curved_directions(wall.shape));
     }
 
     /// Starts a step, without friction yet. `eps` = epsv dt, m.
@@ -82,8 +86,22 @@ class ContactTerms {
                          const PairSet<Exec>& pairs,
                          View<const Vec3d> x,
                          BarrierParams params) {
-        lag_friction(exec, model, pairs, planes_.view(), x, params, friction_);
+        lag_friction(exec, model, pairs, walls_.view(), x, params, friction_);
+        settle_duals(exec, friction_.view(), x, x_start_, eps_);
         friction_counts_ = counts_by_points(pairs);
+    }
+
+    /// After a Newton step to x: Hessians of friction as `how` has them.
+    void advance_friction(Exec& exec, View<const Vec3d> x, FrictionHessian how) {
+        if (how == FrictionHessian::PrimalDual)
+            advance_duals(exec, friction_.view(), x, x_start_, eps_);
+        else
+            settle_duals(exec, friction_.view(), x, x_start_, eps_);
+    }
+
+    /// See sum_friction_per_body.
+    void sum_friction(Exec& exec, View<const int> body, std::vector<double>& out) {
+        sum_friction_per_body(exec, friction_.view(), body, term_forces_, out);
     }
 
     /// Sums of kappa b over the lists of pairs, J.
@@ -101,7 +119,7 @@ class ContactTerms {
                 exec, PairKind::PointTriangle, pairs.pt.view(), x, params, how),
             pair_energy_sum<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, params, how),
             mollified_energy_sum(exec, pairs.mollified.view(), x, params, how),
-            plane_energy_sum(exec, pairs.planes.view(), planes_.view(), x, params)};
+            wall_energy_sum(exec, pairs.walls.view(), walls_.view(), x, params)};
     }
 
     Later friction_energy_later(Exec& exec, View<const Vec3d> x) {
@@ -117,13 +135,21 @@ class ContactTerms {
             exec, friction_.view(), x, x_start_, p, eps_, weak);
     }
 
+    /// Vertices of the term whose friction_unrest is `most`; unused ones -1.
+    Int4 vertices_with_unrest(
+        Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double weak, double most) {
+        const View<const FrictionTerm> terms = friction_.view();
+        const int i = first_with_unrest(exec, terms, x, x_start_, p, eps_, weak, most);
+        return i < 0 ? Int4{{-1, -1, -1, -1}} : exec.read(terms, i).v;
+    }
+
     /// Gradients and modes at x, of the barrier and, if asked for, of friction.
     void fill_terms(Exec& exec,
                     View<const Vec3d> x,
                     const PairSet<Exec>& pairs,
                     const ContactLaw& law,
                     bool with_friction) {
-        const detail::PairRanks ranks(law);
+        const detail::PairRanks ranks(law, wall_rank_);
         const int num_friction = with_friction ? friction_.size() : 0;
         const int num_terms = pairs.size() + num_friction;
         const int num_modes =
@@ -138,7 +164,7 @@ class ContactTerms {
                      terms_.modes.view(),
                      gradients_.view()};
         fill_barrier(exec, x, pairs, law, ranks, at);
-        at.next(pairs.planes.size(), detail::PairRanks::kFriction);
+        at.next(pairs.walls.size(), detail::PairRanks::kFriction);
         if (num_friction > 0) {
             const PhaseTimer timer(seconds_.friction);
             fill_friction_terms(exec, friction_.view(), x, x_start_, eps_, at);
@@ -158,7 +184,7 @@ class ContactTerms {
     ContactSeconds take_seconds() { return std::exchange(seconds_, {}); }
 
   private:
-    /// Leaves `at` at the terms of the half-spaces.
+    /// Leaves `at` at the terms of the walls.
     void fill_barrier(Exec& exec,
                       View<const Vec3d> x,
                       const PairSet<Exec>& pairs,
@@ -178,8 +204,8 @@ class ContactTerms {
         fill_pair_terms<4>(exec, PairKind::EdgeEdge, pairs.ee.view(), x, law, at, how);
         at.next(pairs.ee.size(), ranks.mollified);
         fill_mollified_terms(exec, pairs.mollified.view(), x, law, at, how);
-        at.next(pairs.mollified.size(), detail::PairRanks::kPlane);
-        fill_plane_terms(exec, pairs.planes.view(), planes_.view(), x, law, at);
+        at.next(pairs.mollified.size(), ranks.wall);
+        fill_wall_terms(exec, pairs.walls.view(), walls_.view(), x, law, at);
     }
 
     /// Pairs on two, three, four points and one, in the order of their terms.
@@ -188,7 +214,7 @@ class ContactTerms {
         return {pairs.pp.size(),
                 pairs.pe.size(),
                 pairs.pt.size() + pairs.ee.size() + pairs.mollified.size(),
-                pairs.planes.size()};
+                pairs.walls.size()};
     }
     static void add_runs(const PointCounts& counts, std::vector<TermRun>& runs) {
         constexpr std::array<int, 4> kPoints{2, 3, 4, 1};
@@ -200,8 +226,10 @@ class ContactTerms {
 
     LowRankTerms<Exec> terms_;
     Buffer<Vec3d> gradients_;  ///< 4 per term
-    Buffer<CollisionMesh::Plane> planes_;
+    Buffer<Wall> walls_;
+    int wall_rank_ = 1;  ///< modes of every wall pair: more than one if a wall curves
     Buffer<FrictionTerm> friction_;
+    Buffer<detail::TermForce> term_forces_;
     PointCounts friction_counts_{};
     View<const Vec3d> x_start_{};
     double eps_ = 0.0;

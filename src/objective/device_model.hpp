@@ -49,7 +49,7 @@ struct DeviceModel {
     Buffer<double> mass;
     Buffer<int> corner_begin, corners;
     Buffer<int> body;
-    Buffer<double> pair_friction, plane_friction;
+    Buffer<double> pair_friction, wall_friction;
 
     void upload(Exec& exec, const Model& model) {
         num_vertices = model.num_vertices;
@@ -64,7 +64,7 @@ struct DeviceModel {
         exec.upload(model.mass, mass);
         exec.upload(model.body, body);
         exec.upload(model.pair_friction, pair_friction);
-        exec.upload(model.plane_friction, plane_friction);
+        exec.upload(model.wall_friction, wall_friction);
         std::vector<int> begin;
         std::vector<int> lists;
         detail::corner_lists(model, begin, lists);

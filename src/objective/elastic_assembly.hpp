@@ -21,7 +21,7 @@ class GatheredElasticity {
   public:
     GatheredElasticity(const Model& /*model*/, const BlockPattern& /*pattern*/) {}
 
-    /// matrix = Hessian of scale V Psi(F), projected, + diagonal * identity;
+    /// matrix = Hessian of scale V Psi(F), projected or exact, + diagonal * identity;
     /// gradient += its gradient, unless gradient is empty.
     void assemble(Exec& exec,
                   const DeviceModel<Exec>& model,
@@ -29,8 +29,9 @@ class GatheredElasticity {
                   double scale,
                   View<const double> diagonal,
                   View<Vec3d> gradient,
-                  BlockMatrix<Exec>& matrix) {
-        elastic_derivatives(exec, model, x, scale, corners_, blocks_);
+                  BlockMatrix<Exec>& matrix,
+                  bool project = true) {
+        elastic_derivatives(exec, model, x, scale, corners_, blocks_, project);
         if (gradient.size > 0) gather_corners(exec, model, corners_.view(), gradient);
         matrix.assemble(exec, blocks_.view(), diagonal);
     }

@@ -107,12 +107,13 @@ struct TetHessianKernel {
     int begin;
     View<Vec3d> corners;  ///< 4 per tet
     View<double> blocks;  ///< 90 per tet: the 10 upper 3x3 blocks
+    bool project;
 
     template <class T>
     NOLI_HD void operator()(Lane<T> lane) const {
         const int first = begin + lane.first;
-        const auto all = tet_derivatives<M, kResist>(load_tet<T>(in, x, first, scale),
-                                                     load_lame<T>(in, first));
+        const auto all = tet_derivatives<M, kResist>(
+            load_tet<T>(in, x, first, scale), load_lame<T>(in, first), project);
         store_corner_gradients<T>(all.gradient.g, first, corners);
         for (int j = 0; j < kLaneWidth<T>; ++j) {
             double* to = blocks.data + 90 * static_cast<long>(first + j);
@@ -179,18 +180,25 @@ void elastic_gradients(Exec& exec,
         exec, "objective/tet_gradient", model, x, scale, corners.view());
 }
 
-/// Gradient, and the projected Hessian as 10 upper 3x3 blocks per tet.
+/// Gradient, and the Hessian, projected or exact, as 10 upper 3x3 blocks per tet.
 template <class Exec>
 void elastic_derivatives(Exec& exec,
                          const DeviceModel<Exec>& model,
                          View<const Vec3d> x,
                          double scale,
                          typename Exec::template Buffer<Vec3d>& corners,
-                         typename Exec::template Buffer<double>& blocks) {
+                         typename Exec::template Buffer<double>& blocks,
+                         bool project = true) {
     corners.resize(4 * model.num_tets);
     blocks.resize(90 * model.num_tets);
-    detail::for_each_model<detail::TetHessianKernel>(
-        exec, "objective/tet_hessian", model, x, scale, corners.view(), blocks.view());
+    detail::for_each_model<detail::TetHessianKernel>(exec,
+                                                     "objective/tet_hessian",
+                                                     model,
+                                                     x,
+                                                     scale,
+                                                     corners.view(),
+                                                     blocks.view(),
+                                                     project);
 }
 
 /// out[v] += sum of the corner gradients of vertex v.

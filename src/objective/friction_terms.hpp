@@ -4,17 +4,20 @@
 /// terms at another. All pair types share one stencil of four points; points that a pair
 /// does not have carry zero weight. Formulas: energy/friction.hpp.
 
-#include "energy/friction.hpp"
+#include "energy/friction_hessian.hpp"
 #include "objective/device_model.hpp"
 #include "objective/pair_terms.hpp"
 
 namespace noli {
 
-/// One contact with its friction data, frozen at the last lag update.
+/// One contact with its friction data, frozen at the last lag update; slip and dual are
+/// those of the last iterate.
 struct FrictionTerm {
     Int4 v;                  ///< -1 = unused
     FrictionBasis<4> basis;  ///< of unused points, weight 0
     double mu;
+    Vec2d slip{0.0, 0.0};  ///< tangential displacement since the step's start, m
+    Vec2d dual{0.0, 0.0};  ///< direction and size of its force, see friction_hessian.hpp
 };
 
 namespace detail {
@@ -44,19 +47,33 @@ NOLI_HD inline Stencil<4> moved(const FrictionTerm& term,
     return out;
 }
 
+/// friction_unrest of a term with mu lambda_N of at least `weak`; 0 of weaker ones.
+NOLI_HD inline double unrest_of(const FrictionTerm& term,
+                                View<const Vec3d> x,
+                                View<const Vec3d> x_start,
+                                View<const Vec3d> p,
+                                double eps,
+                                double weak) {
+    if (!(term.mu * term.basis.normal_force > weak)) return 0.0;
+    Stencil<4> direction;
+    for (int s = 0; s < 4; ++s)
+        direction.x[s] = term.v[s] < 0 ? Vec3d{0.0, 0.0, 0.0} : p[term.v[s]];
+    return friction_unrest(term.basis, moved(term, x, x_start), direction, eps);
+}
+
 /// Looks up friction coefficients by the bodies of two vertices, or of a vertex and a
-/// plane.
+/// wall.
 struct FrictionTable {
     View<const int> body;
     View<const double> pair;
-    View<const double> plane;
+    View<const double> wall;
     int num_bodies;
 
     [[nodiscard]] NOLI_HD double between(int a, int b) const {
         return pair[body[a] * num_bodies + body[b]];
     }
-    [[nodiscard]] NOLI_HD double on_plane(int p, int v) const {
-        return plane[p * num_bodies + body[v]];
+    [[nodiscard]] NOLI_HD double on_wall(int w, int v) const {
+        return wall[w * num_bodies + body[v]];
     }
 };
 
@@ -105,19 +122,19 @@ void lag_mollified(Exec& exec,
 }
 
 template <class Exec>
-void lag_planes(Exec& exec,
-                View<const Int2> pairs,
-                View<const CollisionMesh::Plane> planes,
-                View<const Vec3d> x,
-                BarrierParams params,
-                FrictionTable table,
-                View<FrictionTerm> out,
-                int first) {
-    exec.for_each("objective/lag_planes", pairs.size, [=] NOLI_HD(int i) {
+void lag_walls(Exec& exec,
+               View<const Int2> pairs,
+               View<const Wall> walls,
+               View<const Vec3d> x,
+               BarrierParams params,
+               FrictionTable table,
+               View<FrictionTerm> out,
+               int first) {
+    exec.for_each("objective/lag_walls", pairs.size, [=] NOLI_HD(int i) {
         const int v[1] = {pairs[i][0]};
-        const FrictionBasis<1> basis = half_space_friction_basis(
-            x[v[0]], barrier_plane(planes[pairs[i][1]]), params);
-        out[first + i] = widen(v, basis, table.on_plane(pairs[i][1], v[0]));
+        const FrictionBasis<1> basis =
+            wall_friction_basis(x[v[0]], walls[pairs[i][1]], params);
+        out[first + i] = widen(v, basis, table.on_wall(pairs[i][1], v[0]));
     });
 }
 
@@ -128,13 +145,13 @@ template <class Exec>
 void lag_friction(Exec& exec,
                   const DeviceModel<Exec>& model,
                   const PairSet<Exec>& pairs,
-                  View<const CollisionMesh::Plane> planes,
+                  View<const Wall> walls,
                   View<const Vec3d> x,
                   BarrierParams params,
                   typename Exec::template Buffer<FrictionTerm>& out) {
     const detail::FrictionTable table{model.body.view(),
                                       model.pair_friction.view(),
-                                      model.plane_friction.view(),
+                                      model.wall_friction.view(),
                                       model.num_bodies};
     out.resize(pairs.size());
     const View<FrictionTerm> to = out.view();
@@ -153,7 +170,7 @@ void lag_friction(Exec& exec,
     first += pairs.ee.size();
     detail::lag_mollified(exec, pairs.mollified.view(), x, params, table, to, first);
     first += pairs.mollified.size();
-    detail::lag_planes(exec, pairs.planes.view(), planes, x, params, table, to, first);
+    detail::lag_walls(exec, pairs.walls.view(), walls, x, params, table, to, first);
 }
 
 /// Sum of mu lambda_N f0, J. `eps` = epsv dt, m.
@@ -185,13 +202,57 @@ Later largest_friction_unrest(Exec& exec,
                               double eps,
                               double weak) {
     return exec.max_later("objective/friction_unrest", terms.size, [=] NOLI_HD(int i) {
-        const FrictionTerm& term = terms[i];
-        if (!(term.mu * term.basis.normal_force > weak)) return 0.0;
-        Stencil<4> direction;
-        for (int s = 0; s < 4; ++s)
-            direction.x[s] = term.v[s] < 0 ? Vec3d{0.0, 0.0, 0.0} : p[term.v[s]];
-        return friction_unrest(
-            term.basis, detail::moved(term, x, x_start), direction, eps);
+        return detail::unrest_of(terms[i], x, x_start, p, eps, weak);
+    });
+}
+
+/// The first of these terms whose friction_unrest is `most`; -1 if there is none.
+template <class Exec>
+int first_with_unrest(Exec& exec,
+                      View<const FrictionTerm> terms,
+                      View<const Vec3d> x,
+                      View<const Vec3d> x_start,
+                      View<const Vec3d> p,
+                      double eps,
+                      double weak,
+                      double most) {
+    const double first =
+        exec.min("objective/first_with_unrest", terms.size, [=] NOLI_HD(int i) {
+            return detail::unrest_of(terms[i], x, x_start, p, eps, weak) >= most
+                     ? double(i)
+                     : INFINITY;
+        });
+    return first < INFINITY ? static_cast<int>(first) : -1;
+}
+
+/// Slips at x and the force directions that belong to them, after a lag.
+template <class Exec>
+void settle_duals(Exec& exec,
+                  View<FrictionTerm> terms,
+                  View<const Vec3d> x,
+                  View<const Vec3d> x_start,
+                  double eps) {
+    exec.for_each("objective/settle_duals", terms.size, [=] NOLI_HD(int i) {
+        FrictionTerm& term = terms[i];
+        term.slip =
+            detail::tangential_displacement(term.basis, detail::moved(term, x, x_start));
+        term.dual = settled_dual(term.slip, eps);
+    });
+}
+
+/// The same after a Newton step to x: next_dual.
+template <class Exec>
+void advance_duals(Exec& exec,
+                   View<FrictionTerm> terms,
+                   View<const Vec3d> x,
+                   View<const Vec3d> x_start,
+                   double eps) {
+    exec.for_each("objective/advance_duals", terms.size, [=] NOLI_HD(int i) {
+        FrictionTerm& term = terms[i];
+        const Vec2d slip =
+            detail::tangential_displacement(term.basis, detail::moved(term, x, x_start));
+        term.dual = next_dual(term.dual, term.slip, slip, eps);
+        term.slip = slip;
     });
 }
 
@@ -213,7 +274,7 @@ void fill_friction_terms(Exec& exec,
                                i,
                                term.v.v,
                                friction_gradient(term.basis, u, term.mu, eps),
-                               friction_hessian(term.basis, u, term.mu, eps));
+                               friction_hessian(term.basis, u, term.dual, term.mu, eps));
         },
         detail::kPairGrain);
 }

@@ -5,8 +5,8 @@
 ///     E(x) = inertia + h^2 (elastic + damping) + barrier + friction,
 ///
 /// its value, gradient and Hessian operator. This room adds terms up; formulas are in
-/// energy/. h^2 is dt^2 for implicit Euler, 4/9 dt^2 for BDF2, beta dt^2 for Newmark. The
-/// barrier is not scaled by h^2: kappa absorbs it. Source: MATH 7.
+/// energy/. h^2 is dt^2 for every integrator: what makes them differ is the weight of
+/// inertia and x~. The barrier is not scaled by h^2: kappa absorbs it. Source: MATH 7.
 
 #include "contact/pairs.hpp"
 #include "core/timer.hpp"
@@ -15,17 +15,19 @@
 #include "objective/elastic_assembly.hpp"
 #include "objective/inertia.hpp"
 #include "objective/vector_loops.hpp"
+#include "objective/viscosity.hpp"
 
 #include <array>
 #include <utility>
+#include <vector>
 
 namespace noli {
 
 /// What stays the same during one step.
 struct StepScales {
     double h_sq = 0.0;               ///< s^2
-    double mass_damping = 0.0;       ///< h^2 alpha / dt
-    double stiffness_damping = 0.0;  ///< beta / dt: factor of the lagged elastic Hessian
+    double mass_damping = 0.0;       ///< dt alpha
+    double stiffness_damping = 0.0;  ///< beta / dt: factor of the viscous energy
     double friction_eps = 0.0;       ///< epsv dt, m
 };
 
@@ -38,7 +40,7 @@ struct AssemblySeconds {
 /// The parts of an energy, on their way to the host; 0 where there is none.
 struct EnergyParts {
     Later inertia, elastic, damping, friction;
-    std::array<Later, 6> barrier;  ///< PP, PE, PT, EE, mollified, half-spaces
+    std::array<Later, 6> barrier;  ///< PP, PE, PT, EE, mollified, walls
 };
 
 template <class Exec>
@@ -56,26 +58,41 @@ class Objective {
         gradient_.resize(n);
         diagonal_.resize(n);
         mass_.resize(n);
+        weight_.resize(n);
         x_start_.resize(n);
         x_tilde_.resize(n);
         scratch_.resize(n);
-        scratch2_.resize(n);
+        model_ = &model;
         pattern_ = &pattern;
     }
 
-    /// Starts a step: x_start (x^n), x_tilde, and which vertices are prescribed.
+    /// Starts a step: x_start (x^n), x_tilde with the weights of inertia, and which
+    /// vertices are prescribed.
     void begin_step(Exec& exec,
                     const StepScales& scales,
                     View<const Vec3d> x_start,
                     View<const Vec3d> x_tilde,
+                    View<const double> weight,
                     View<const std::uint8_t> fixed) {
         scales_ = scales;
         exec.copy(x_start, x_start_.view());
-        exec.copy(x_tilde, x_tilde_.view());
+        set_prediction(exec, x_tilde, weight);
         exec.copy(View<const double>(device_.mass.view()), mass_.view());
         fixed_ = fixed;
         contacts_.begin_step(x_start_.view(), scales.friction_eps);
-        if (scales.stiffness_damping > 0.0) update_damping(exec);
+        viscosity_.begin_step(exec,
+                              *model_,
+                              *pattern_,
+                              View<const Vec3d>(x_start_.view()),
+                              scales.h_sq * scales.stiffness_damping);
+    }
+
+    /// Another prediction within the step; not after yield.
+    void set_prediction(Exec& exec,
+                        View<const Vec3d> x_tilde,
+                        View<const double> weight) {
+        exec.copy(x_tilde, x_tilde_.view());
+        exec.copy(weight, weight_.view());
     }
 
     /// From now on in this step the vertices of `was_fixed` that are not in `fixed` are
@@ -98,6 +115,17 @@ class Objective {
         contacts_.lag_friction_at(exec, device_, pairs, x, law.barrier);
     }
 
+    /// After a Newton step to x, see ContactTerms::advance_friction.
+    void advance_friction(Exec& exec, View<const Vec3d> x, FrictionHessian how) {
+        contacts_.advance_friction(exec, x, how);
+    }
+
+    /// Per body the sum of mu lambda_N of the frozen friction, N h^2.
+    void sum_friction(Exec& exec, std::vector<double>& out) {
+        out.resize(static_cast<std::size_t>(device_.num_bodies));
+        contacts_.sum_friction(exec, device_.body.view(), out);
+    }
+
     /// E(x) with the active pairs of x, J times h^2-scale.
     EnergyParts energy_later(Exec& exec,
                              View<const Vec3d> x,
@@ -106,19 +134,14 @@ class Objective {
         EnergyParts out;
         out.inertia = detail::inertia_energy_sum(exec, inertia(), x);
         out.elastic = elastic_energy_sum(exec, device_, x, scales_.h_sq, per_tet_);
-        if (scales_.stiffness_damping > 0.0) {
-            detail::subtract(
-                exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
-            out.damping =
-                damping_.quadratic_form_later(exec, View<const Vec3d>(scratch_.view()));
-        }
+        if (viscosity_.acts()) out.damping = viscosity_.energy_later(exec, x);
         out.friction = contacts_.friction_energy_later(exec, x);
         out.barrier = contacts_.barrier_energy_later(exec, x, pairs, law.barrier);
         return out;
     }
     double total(Exec& exec, const EnergyParts& parts) const {
         double sum = exec.value(parts.inertia) + exec.value(parts.elastic);
-        sum += 0.5 * exec.value(parts.damping);
+        sum += exec.value(parts.damping);
         sum += exec.value(parts.friction);
         return sum + total(exec, parts.barrier);
     }
@@ -137,11 +160,13 @@ class Objective {
         return total(exec, contacts_.barrier_energy_later(exec, x, pairs, params));
     }
 
-    /// Gradient and Hessian at x: fills gradient(), matrix() and terms().
+    /// Gradient and Hessian at x: fills gradient(), matrix() and terms(). `project` =
+    /// false takes elastic Hessians as they are: the sum need not be positive definite.
     void assemble(Exec& exec,
                   View<const Vec3d> x,
                   const PairSet<Exec>& pairs,
-                  const ContactLaw& law) {
+                  const ContactLaw& law,
+                  bool project = true) {
         detail::inertia_gradients(exec, inertia(), x, gradient_.view());
         detail::inertia_diagonals(exec, inertia(), diagonal_.view());
         {
@@ -152,11 +177,12 @@ class Objective {
                                  scales_.h_sq,
                                  diagonal_.view(),
                                  gradient_.view(),
-                                 matrix_);
+                                 matrix_,
+                                 project);
         }
-        if (scales_.stiffness_damping > 0.0) {
-            add_damping_gradient(exec, x, gradient_.view());
-            matrix_.axpy(exec, 1.0, damping_);
+        if (viscosity_.acts()) {
+            viscosity_.add_gradient(exec, x, gradient_.view());
+            matrix_.axpy(exec, 1.0, viscosity_.matrix_at(exec, x));
         }
         contacts_.fill_terms(exec, x, pairs, law, /*with_friction=*/true);
         contacts_.add_gradients(exec, gradient_.view());
@@ -174,7 +200,7 @@ class Objective {
         elastic_gradients(exec, device_, x, scales_.h_sq, corners_);
         detail::inertia_gradients(exec, inertia(), x, other);
         gather_corners(exec, device_, corners_.view(), other);
-        if (scales_.stiffness_damping > 0.0) add_damping_gradient(exec, x, other);
+        if (viscosity_.acts()) viscosity_.add_gradient(exec, x, other);
         law.barrier.kappa = 1.0;
         law.hessian = ContactHessian::GaussNewton;
         contacts_.fill_terms(exec, x, pairs, law, /*with_friction=*/false);
@@ -189,6 +215,12 @@ class Objective {
                           View<const Vec3d> p,
                           double weak) {
         return contacts_.friction_unrest(exec, x, p, weak);
+    }
+
+    /// Vertices of the term that has it.
+    Int4 vertices_with_unrest(
+        Exec& exec, View<const Vec3d> x, View<const Vec3d> p, double weak, double most) {
+        return contacts_.vertices_with_unrest(exec, x, p, weak, most);
     }
 
     InversionLater inversion_bound_along(Exec& exec,
@@ -214,7 +246,8 @@ class Objective {
         return contacts_.num_friction_terms();
     }
 
-    /// Minus the barrier and friction gradients per vertex over h^2: contact forces, N.
+    /// Minus the barrier and friction gradients per vertex over h^2: contact forces, N; 0
+    /// before the first step.
     void contact_forces(Exec& exec,
                         View<const Vec3d> x,
                         const PairSet<Exec>& pairs,
@@ -250,43 +283,25 @@ class Objective {
     }
 
     [[nodiscard]] InertiaViews inertia() const {
-        return {
-            mass_.view(), fixed_, x_tilde_.view(), x_start_.view(), scales_.mass_damping};
-    }
-
-    /// The elastic Hessian at the step's start, scaled so that its quadratic form of the
-    /// displacement is twice the damping energy.
-    void update_damping(Exec& exec) {
-        if (!has_damping_pattern_) damping_.set_pattern(exec, *pattern_);
-        has_damping_pattern_ = true;
-        const double scale = scales_.h_sq * scales_.stiffness_damping;
-        detail::set_zero(exec, diagonal_.view());
-        elasticity_.assemble(exec,
-                             device_,
-                             View<const Vec3d>(x_start_.view()),
-                             scale,
-                             diagonal_.view(),
-                             {},
-                             damping_);
-    }
-
-    void add_damping_gradient(Exec& exec, View<const Vec3d> x, View<Vec3d> out) {
-        detail::subtract(exec, x, View<const Vec3d>(x_start_.view()), scratch_.view());
-        damping_.multiply(exec, View<const Vec3d>(scratch_.view()), scratch2_.view());
-        detail::add_scaled(exec, 1.0, View<const Vec3d>(scratch2_.view()), out);
+        return {mass_.view(),
+                weight_.view(),
+                fixed_,
+                x_tilde_.view(),
+                x_start_.view(),
+                scales_.mass_damping};
     }
 
     double elastic_seconds_ = 0.0;
     DeviceModel<Exec> device_;
     ElasticAssembly<Exec> elasticity_;
     StepScales scales_;
+    const Model* model_ = nullptr;
     const BlockPattern* pattern_ = nullptr;
     BlockMatrix<Exec> matrix_;
-    BlockMatrix<Exec> damping_;
-    bool has_damping_pattern_ = false;
+    Viscosity<Exec> viscosity_;
     ContactTerms<Exec> contacts_;
-    Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, scratch2_, corners_;
-    Buffer<double> mass_, diagonal_, per_tet_;
+    Buffer<Vec3d> gradient_, x_start_, x_tilde_, scratch_, corners_;
+    Buffer<double> mass_, weight_, diagonal_, per_tet_;
     View<const std::uint8_t> fixed_{};
 };
 

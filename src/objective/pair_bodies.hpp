@@ -9,9 +9,9 @@
 
 #include "contact/pairs.hpp"
 #include "energy/contact_pair.hpp"
-#include "energy/half_space.hpp"
 #include "energy/mollified_pair.hpp"
 #include "energy/numeric_hessian.hpp"
+#include "energy/wall.hpp"
 #include "linear/low_rank.hpp"
 
 namespace noli {
@@ -69,10 +69,6 @@ NOLI_HD inline Stencil<S> load_stencil(View<const Vec3d> x,
 
 NOLI_HD inline MollifiedCase mollified_case(const MollifiedPair& pair) {
     return {pair.kind, {pair.local[0], pair.local[1], pair.local[2], pair.local[3]}};
-}
-
-NOLI_HD inline BarrierPlane barrier_plane(const CollisionMesh::Plane& plane) {
-    return {plane.normal, plane.offset};
 }
 
 /// Writes the gradient and at most `rank` modes of one term; missing modes are zero.

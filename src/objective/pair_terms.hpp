@@ -157,33 +157,32 @@ void fill_mollified_terms(Exec& exec,
 }
 
 template <class Exec>
-Later plane_energy_sum(Exec& exec,
-                       View<const Int2> pairs,
-                       View<const CollisionMesh::Plane> planes,
-                       View<const Vec3d> x,
-                       BarrierParams params) {
-    return exec.sum_later("objective/plane_energy", pairs.size, [=] NOLI_HD(int i) {
-        return half_space_energy(
-            x[pairs[i][0]], detail::barrier_plane(planes[pairs[i][1]]), params);
+Later wall_energy_sum(Exec& exec,
+                      View<const Int2> pairs,
+                      View<const Wall> walls,
+                      View<const Vec3d> x,
+                      BarrierParams params) {
+    return exec.sum_later("objective/wall_energy", pairs.size, [=] NOLI_HD(int i) {
+        return wall_energy(x[pairs[i][0]], walls[pairs[i][1]], params);
     });
 }
 
 template <class Exec>
-void fill_plane_terms(Exec& exec,
-                      View<const Int2> pairs,
-                      View<const CollisionMesh::Plane> planes,
-                      View<const Vec3d> x,
-                      ContactLaw law,
-                      TermRange out) {
-    exec.for_each("objective/plane_terms", pairs.size, [=] NOLI_HD(int i) {
-        const BarrierPlane plane = detail::barrier_plane(planes[pairs[i][1]]);
+void fill_wall_terms(Exec& exec,
+                     View<const Int2> pairs,
+                     View<const Wall> walls,
+                     View<const Vec3d> x,
+                     ContactLaw law,
+                     TermRange out) {
+    exec.for_each("objective/wall_terms", pairs.size, [=] NOLI_HD(int i) {
+        const Wall wall = walls[pairs[i][1]];
         const Vec3d at = x[pairs[i][0]];
         const int v[1] = {pairs[i][0]};
         detail::store_term(out,
                            i,
                            v,
-                           half_space_gradient(at, plane, law.barrier),
-                           half_space_hessian(at, plane, law.barrier));
+                           wall_gradient(at, wall, law.barrier),
+                           wall_hessian(at, wall, law.barrier));
     });
 }
 

@@ -23,6 +23,8 @@ std::vector<int> lone_points(const FrameMesh& mesh) {
     for (const auto& segment : mesh.segments)
         for (const int v : segment)
             used[static_cast<size_t>(v)] = true;
+    for (const int v : mesh.unreferenced)
+        used[static_cast<size_t>(v)] = true;
     const std::vector<bool> elastic = elastic_bodies(mesh);
     std::vector<int> points;
     for (size_t v = 0; v < used.size(); ++v) {

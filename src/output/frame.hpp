@@ -20,6 +20,7 @@ struct FrameMesh {
     std::span<const int> body_of_vertex;
     std::span<const std::string> body_names;
     std::span<const Vector3> initial_positions;  ///< m; displacements count from here
+    std::span<const int> unreferenced;  ///< vertices without an element, ascending
 };
 
 /// What changes. Empty spans are left out of the files.
@@ -36,8 +37,8 @@ struct Frame {
 /// True for bodies that have tetrahedra; one entry per body.
 std::vector<bool> elastic_bodies(const FrameMesh& mesh);
 
-/// Vertices that no tetrahedron, triangle or segment uses, of bodies without tetrahedra:
-/// the points of point obstacles. Ascending.
+/// Vertices that no tetrahedron, triangle or segment uses, of bodies without tetrahedra,
+/// and that are not unreferenced: the points of point obstacles. Ascending.
 std::vector<int> lone_points(const FrameMesh& mesh);
 
 /// "frame_000012.vtu" for step 12 and "vtu".

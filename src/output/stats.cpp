@@ -93,7 +93,8 @@ std::string stats_row(const StepReport& r,
                       std::optional<std::uint64_t> state_hash) {
     return fmt::format(
         "{},{:.17g},{:.6g},{},{},{},{:.17g},{:.17g},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},"
-        "{:.6g},{:.6g},{:.6g},{},{:.17g},{},{:.6g},{:.6g},{:.6g},{}\n",
+        "{:.6g},{:.6g},{:.6g},{},{:.17g},{},{:.6g},{:.6g},{:.6g},{},{:.17g},{:.17g},"
+        "{:.17g},{:.17g},{:.17g}\n",
         r.step,
         r.time,
         r.wall_s,
@@ -118,7 +119,12 @@ std::string stats_row(const StepReport& r,
         r.t_elastic,
         r.t_barrier,
         r.t_friction,
-        r.threads);
+        r.threads,
+        r.direction_ratio,
+        r.gap_change,
+        r.lag_change,
+        r.net_force,
+        r.net_torque);
 }
 
 std::vector<StatsEntry> parse_stats(std::string_view text) {

@@ -19,7 +19,8 @@ namespace noli {
 inline constexpr std::string_view kStatsHeader =
     "step,t,wall_s,newton,pcg,contacts,min_gap,kappa,intersections,inversions,outcome,"
     "t_pairs,t_assemble,t_solve,t_ccd,t_search,t_output,peak_mb,"
-    "friction_updates,boundary_yield,state_hash,t_elastic,t_barrier,t_friction,threads\n";
+    "friction_updates,boundary_yield,state_hash,t_elastic,t_barrier,t_friction,threads,"
+    "direction_ratio,gap_change,lag_change,net_force,net_torque\n";
 
 /// A row of stats.csv, newline included. Quantities of the simulation have 17 digits, so
 /// that equal runs give equal text. Without a hash its column is empty.

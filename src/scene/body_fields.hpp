@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Every key of a scene's bodies and half-spaces; see scene_fields.hpp.
+/// Every key of a scene's bodies, half-spaces and containers; see scene_fields.hpp.
 
 #include "noli/scene.hpp"
 
@@ -99,6 +99,12 @@ void visit_condition_motion(V& v, BoundaryCondition& b) {
             b.sequence,
             "Mesh files with the positions (m, in the world) at the end of steps 1, 2, "
             "...; the last is held.");
+    v.only_if(!load, "with \"kind\": \"fixed\", \"velocity\", \"path\" or \"sequence\"");
+    v.choice("axes",
+             b.axes,
+             d.axes,
+             all(kPrescribedAxes),
+             "Coordinates that it prescribes; the vertices are free along the others.");
     v.always();
 }
 
@@ -202,6 +208,46 @@ void visit_fields(V& v, HalfSpace& h) {
              h.friction,
              d.friction,
              {.at_least = 0, .doc = "Coefficient of friction of all bodies on it."});
+}
+
+template <class V>
+void visit_fields(V& v, Container& c) {
+    using Shape = Container::Shape;
+    const Container d;
+    v.template form<NameForm>(
+        "name",
+        c.name,
+        "Name for messages and contact pairs; default: container0, container1, ...");
+    v.required("shape", "say what bodies stay in, for example \"shape\": \"sphere\"");
+    v.choice("shape",
+             c.shape,
+             static_cast<Shape>(-1),
+             all(kContainerShapes),
+             "What bodies stay in.");
+    v.vector(
+        "center",
+        c.center,
+        d.center,
+        {.unit = kLength, .doc = "Its centre; of a cylinder any point of the axis."});
+    v.required("radius", "give its inner radius, for example \"radius\": \"20 cm\"");
+    v.number("radius",
+             c.radius,
+             std::numeric_limits<double>::quiet_NaN(),
+             {.unit = kLength, .above = 0, .doc = "Its inner radius."});
+    v.only_if(c.shape == Shape::Cylinder, "with \"shape\": \"cylinder\"");
+    v.vector("axis",
+             c.axis,
+             d.axis,
+             {.doc = "Direction of the axis, along which the cylinder is open; any "
+                     "length."});
+    v.always();
+    v.check(c.axis != Vector3{},
+            "axis",
+            "found [0, 0, 0], expected a direction; write for example [0, 1, 0]");
+    v.number("friction",
+             c.friction,
+             d.friction,
+             {.at_least = 0, .doc = "Coefficient of friction of all bodies in it."});
 }
 
 }  // namespace noli

@@ -32,6 +32,18 @@ inline constexpr std::array kBoundaryKinds{
         BoundaryCondition::Kind::Force, "force", "total force `linear`, spread by mass"},
     Choice{
         BoundaryCondition::Kind::Acceleration, "acceleration", "acceleration `linear`"}};
+inline constexpr std::array kContainerShapes{
+    Choice{Container::Shape::Sphere, "sphere", "the inside of a sphere"},
+    Choice{Container::Shape::Cylinder,
+           "cylinder",
+           "the inside of a cylinder without ends; half-spaces close it"}};
+inline constexpr std::array kPrescribedAxes{Choice{1, "x", "x alone"},
+                                            Choice{2, "y", "y alone"},
+                                            Choice{4, "z", "z alone"},
+                                            Choice{3, "xy", "x and y"},
+                                            Choice{5, "xz", "x and z"},
+                                            Choice{6, "yz", "y and z"},
+                                            Choice{kAllAxes, "xyz", "all three"}};
 inline constexpr std::array kContactFormulations{
     Choice{ContactFormulation::Gipc, "gipc", "Gauss-Newton barrier, next three keys"},
     Choice{ContactFormulation::Ipc,
@@ -49,12 +61,28 @@ inline constexpr std::array kMollifierModels{
     Choice{MollifierModel::TwoMode, "two_mode", "as the authors' program"},
     Choice{MollifierModel::FourMode, "four_mode", "all four modes"},
     Choice{MollifierModel::Exact, "exact", "projected numerically"}};
+
+inline constexpr std::array kProjections{
+    Choice{HessianProjection::OnDemand,
+           "on_demand",
+           "where the exact ones are not positive definite"},
+    Choice{HessianProjection::Always, "always", "for comparison"}};
+
+inline constexpr std::array kStarts{
+    Choice{NewtonStart::Extrapolated, "extrapolated", "where the last two steps lead"},
+    Choice{NewtonStart::Last, "last", "where the bodies are"}};
+
+inline constexpr std::array kFrictionHessians{
+    Choice{FrictionHessian::PrimalDual,
+           "primal_dual",
+           "the direction of the force is an unknown of its own"},
+    Choice{FrictionHessian::Newton, "newton", "for comparison"}};
 inline constexpr std::array kIntegrators{
     Choice{Integrator::ImplicitEuler, "implicit_euler", "first order, damps"},
     Choice{Integrator::Bdf2, "bdf2", "second order, damps little"},
     Choice{Integrator::Newmark,
            "newmark",
-           "second order, keeps energy with the default beta and gamma"}};
+           "second order, keeps energy out of contact with the default beta and gamma"}};
 inline constexpr std::array kLinearSolvers{
     Choice{LinearSolver::Pcg, "pcg", "preconditioned conjugate gradients"},
     Choice{LinearSolver::Cholmod, "cholmod", "sparse factorisation, if built in"},

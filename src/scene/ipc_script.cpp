@@ -4,6 +4,7 @@
 #include "scene/ipc_script.hpp"
 
 #include "mesh/source.hpp"
+#include "mesh/topology.hpp"
 #include "scene/affine.hpp"
 #include "scene/ipc_box.hpp"
 #include "scene/ipc_files.hpp"
@@ -22,6 +23,15 @@ namespace noli {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Without vertices that belong to no element.
+std::vector<Vec3d> used_points(const Mesh& mesh) {
+    const std::vector<std::uint8_t> used = referenced_vertices(mesh);
+    std::vector<Vec3d> out;
+    for (std::size_t v = 0; v < used.size(); ++v)
+        if (used[v] != 0) out.push_back(mesh.x[v]);
+    return out;
+}
 
 class Converter {
   public:
@@ -101,7 +111,7 @@ class Converter {
             placed_.push_back({.shape = &shape,
                                .body = scene_.bodies.size(),
                                .elastic = !mesh.tets.empty(),
-                               .x = mesh.x,
+                               .x = used_points(mesh),
                                .lo = {},
                                .hi = {}});
             scene_.bodies.push_back(body);
@@ -196,17 +206,17 @@ class Converter {
 
     void add_obstacle(ScriptObstacle& obstacle) {
         const std::string path = files_.locate(obstacle.path, obstacle.place);
-        const Mesh& mesh = files_.load(path, obstacle.place);
+        const std::vector<Vec3d> points = used_points(files_.load(path, obstacle.place));
         const Affine turn = make_rotation(obstacle.rotation_deg);
         ScriptBox box;
         Vec3d mean{0, 0, 0};
-        for (const Vec3d& p : mesh.x) {
+        for (const Vec3d& p : points) {
             box.add(apply_affine(turn, p));
             mean += p;
         }
         const double scale = obstacle.scale / box.largest_extent();
         const Vec3d turned =
-            apply_affine(turn, (1.0 / static_cast<double>(mesh.x.size())) * mean);
+            apply_affine(turn, (1.0 / static_cast<double>(points.size())) * mean);
         Body body;
         body.name = unique_name(fs::path(path).stem().string());
         body.mesh.file = path;
@@ -216,7 +226,7 @@ class Converter {
                                            obstacle.origin[1] - scale * turned.y,
                                            obstacle.origin[2] - scale * turned.z});
         obstacle.right_end = -std::numeric_limits<double>::infinity();
-        for (const Vec3d& p : mesh.x)
+        for (const Vec3d& p : points)
             obstacle.right_end =
                 std::max(obstacle.right_end, apply_affine(body.transform, p).x);
         body.friction = obstacle.friction;

@@ -86,9 +86,9 @@ struct Script {
     double self_friction = 0.0;
     /// kappa, dHat start and target, tiny distance, epsv start and target.
     std::array<double, 6> tuning{0, 1e-3, 1e-3, 1e-9, 1e-3, 1e-3};
-    std::vector<double> tolerances{1e-2};
+    std::vector<double> tolerances{SolverSettings{}.tolerance};
     bool absolute = false;
-    int friction_iterations = 1;
+    int friction_iterations = kFrictionAsNeeded;
     double kappa_min_multiplier = 1e11;
     std::vector<SceneWarning> warnings;
 };

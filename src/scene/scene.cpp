@@ -101,6 +101,8 @@ void check_pairs(ReadContext& context, const Scene& scene) {
         names.push_back(body.name);
     for (const HalfSpace& half_space : scene.half_spaces)
         names.push_back(half_space.name);
+    for (const Container& container : scene.containers)
+        names.push_back(container.name);
     const auto exists = [&](const std::string& name) {
         return name == "*" || std::find(names.begin(), names.end(), name) != names.end()
             || std::any_of(scene.bodies.begin(),
@@ -112,8 +114,8 @@ void check_pairs(ReadContext& context, const Scene& scene) {
         for (const auto& [key, name] : {std::pair{"a", rule.a}, std::pair{"b", rule.b}})
             if (!name.empty() && !exists(name))
                 context.fail(fmt::format("/contact/pairs/{}/{}", i, key),
-                             fmt::format("found \"{}\", expected a body or half-space of "
-                                         "this scene or \"*\"{}",
+                             fmt::format("found \"{}\", expected a body, half-space or "
+                                         "container of this scene or \"*\"{}",
                                          name,
                                          did_you_mean(name, names)));
     }
@@ -125,6 +127,8 @@ void check_whole(ReadContext& context, const Json& json, Scene& scene) {
     if (has_bodies) settle_names(context, json, "bodies", "body", scene.bodies, taken);
     if (json.contains("half_spaces") && json.at("half_spaces").is_array())
         settle_names(context, json, "half_spaces", "plane", scene.half_spaces, taken);
+    if (json.contains("containers") && json.at("containers").is_array())
+        settle_names(context, json, "containers", "container", scene.containers, taken);
     if (has_bodies && scene.bodies.empty())
         context.fail("/bodies",
                      "found no bodies, expected at least one; add { \"mesh\": ... }");

@@ -33,11 +33,12 @@ void visit_fields(V& v, Scene& s) {
              {.unit = kLength,
               .at_least = 0,
               .doc = "The \"diagonal\" of relative settings; 0 = that of the bounding "
-                     "box of all elastic "
-                     "bodies at the start."});
+                     "box of all elastic bodies at the start, at most 100 times that of "
+                     "the smallest one."});
     v.required("bodies", "list at least one body");
     v.list("bodies", s.bodies, "Elastic bodies and obstacles.");
     v.list("half_spaces", s.half_spaces, "Floors and walls.");
+    v.list("containers", s.containers, "Spheres and cylinders that bodies stay in.");
     v.object("contact", s.contact, "Contact and friction.");
     v.object("damping", s.damping, "Rayleigh damping.");
     v.object("solver", s.solver, "Time stepping and solvers.");

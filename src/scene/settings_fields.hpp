@@ -12,11 +12,13 @@ namespace noli {
 template <class V>
 void visit_fields(V& v, ContactPairRule& r) {
     v.required("a", "name a body, or write \"*\" for all");
-    v.required("b", "name a body or half-space, or write \"*\" for all");
-    v.text("a",
-           r.a,
-           "",
-           "Name of a body, of one copy (\"name[i,j,k]\") or half-space; \"*\" is all.");
+    v.required("b", "name a body, half-space or container, or write \"*\" for all");
+    v.text(
+        "a",
+        r.a,
+        "",
+        "Name of a body, of one copy (\"name[i,j,k]\"), half-space or container; \"*\" "
+        "is all.");
     v.text("b",
            r.b,
            "",
@@ -43,7 +45,9 @@ void visit_fields(V& v, ContactSettings& c) {
              {.unit = kLength,
               .above = 0,
               .doc = "Activation distance: surfaces closer than this repel; "
-                     "relative to the diagonal (length_scale)."});
+                     "relative to the diagonal (length_scale), at most 2 % of that of "
+                     "the smallest body and a quarter of its short edges unless "
+                     "length_scale is given."});
     v.choice(
         "model", c.model, d.model, all(kContactFormulations), "Whose contact model.");
     v.integer(
@@ -95,14 +99,27 @@ void visit_fields(V& v, ContactSettings& c) {
         "friction_iterations",
         c.friction_iterations,
         d.friction_iterations,
-        {.at_least = 0,
-         .doc = "Updates of the lagged friction per step; 0 = until it converges."});
+        {.at_least = kFrictionAsNeeded,
+         .doc = "Updates of the lagged friction per step; 0 = until it converges, -1 = "
+                "again while `friction_tolerance` asks for it, four at most."});
+    v.choice("friction_hessian",
+             c.friction_hessian,
+             d.friction_hessian,
+             all(kFrictionHessians),
+             "Second derivative of friction in Newton's method.");
+    v.number("friction_tolerance",
+             c.friction_tolerance,
+             d.friction_tolerance,
+             {.above = 0,
+              .doc = "With \"friction_iterations\": -1, friction is updated again while "
+                     "the friction force of a body changed by more than this share."});
     v.number("min_separation",
              c.min_separation,
              d.min_separation,
              {.unit = kLength,
               .at_least = 0,
-              .doc = "Distance that the collision bound of a step keeps."});
+              .doc = "Distance that surfaces keep, as if they were this much thicker: "
+                     "barriers act between it and it plus dhat, and no step enters it."});
     v.list("pairs",
            c.pairs,
            "Exceptions for pairs, applied in order: the last that matches counts.");
@@ -115,13 +132,12 @@ void visit_fields(V& v, DampingSettings& s) {
              s.mass,
              d.mass,
              {.unit = kRate, .at_least = 0, .doc = "Rayleigh alpha: damps all motion."});
-    v.number(
-        "stiffness",
-        s.stiffness,
-        d.stiffness,
-        {.unit = kTime,
-         .at_least = 0,
-         .doc = "Rayleigh beta: damps deformation; lagged at the start of the step."});
+    v.number("stiffness",
+             s.stiffness,
+             d.stiffness,
+             {.unit = kTime,
+              .at_least = 0,
+              .doc = "Viscosity (Rayleigh beta): damps deformation, and no rotation."});
 }
 
 template <class V>
@@ -149,6 +165,13 @@ void visit_fields(V& v, SolverSettings& s) {
               .doc = "Newton stops when no vertex would move faster than this any more; "
                      "relative to the "
                      "diagonal (length_scale) per second."});
+    v.number("gap_tolerance",
+             s.gap_tolerance,
+             d.gap_tolerance,
+             {.at_least = 0,
+              .doc = "Nor does Newton stop while the distance of a pair in contact would "
+                     "change by more than this share: normal forces depend on it. 0 = "
+                     "do not ask."});
     v.number("gradient_tolerance",
              s.gradient_tolerance,
              d.gradient_tolerance,
@@ -164,6 +187,12 @@ void visit_fields(V& v, SolverSettings& s) {
               s.max_newton,
               d.max_newton,
               {.at_least = 1, .doc = "Newton iterations per step at most."});
+    v.choice("projection",
+             s.projection,
+             d.projection,
+             all(kProjections),
+             "When elastic Hessians are projected, element by element.");
+    v.choice("start", s.start, d.start, all(kStarts), "Where Newton's method starts.");
     v.choice("linear",
              s.linear,
              d.linear,

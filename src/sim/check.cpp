@@ -4,15 +4,15 @@
 #include "noli/simulator.hpp"
 
 #include "linear/cholmod_solver.hpp"
-#include "mesh/quality.hpp"
 #include "output/file.hpp"
 #include "sim/estimate.hpp"
 #include "sim/marked_mesh.hpp"
+#include "sim/start_checks.hpp"
 #include "sim/verify.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <utility>
 
 namespace noli {
 
@@ -39,9 +39,7 @@ class Checker {
             add(Finding::Severity::Warning, warning.where, warning.message);
         fill_resolved();
         check_intersections();
-        check_shapes();
-        check_scales();
-        check_boundary();
+        check_rest();
         return std::move(report_);
     }
 
@@ -67,9 +65,8 @@ class Checker {
     }
 
     void check_intersections() {
-        Verifier verifier(model_);
-        report_.intersections = verifier.run(model_.x0);
-        report_.min_gap = verifier.min_gap(model_.x0);
+        report_.intersections = verifier_.run(model_.x0);
+        report_.min_gap = verifier_.min_gap(model_.x0);
         const VerifyReport& found = report_.intersections;
         if (found.num_inversions > 0)
             add(Finding::Severity::Error,
@@ -77,6 +74,10 @@ class Checker {
                 fmt::format("{} are inverted, first {}",
                             found.num_inversions,
                             found.inverted_tets.front()));
+        for (const BeyondWall& at : found.beyond_walls)
+            add(Finding::Severity::Error, at.body, at.message);
+        if (!found.too_close.empty())
+            add(Finding::Severity::Error, "contact/min_separation", found.too_close);
         if (found.num_intersections == 0 && report_.min_gap < model_.dhat)
             add(Finding::Severity::Note,
                 "gap",
@@ -87,72 +88,25 @@ class Checker {
                             model_.dhat));
     }
 
-    void check_shapes() {
-        double worst = 1.0;
-        int worst_tet = -1;
-        for (int t = 0; t < model_.num_tets(); ++t) {
-            const Int4& v = model_.tets[static_cast<std::size_t>(t)];
-            const auto at = [&](int k) {
-                return model_.x0[static_cast<std::size_t>(v[k])];
-            };
-            const double ratio = radius_ratio(at(0), at(1), at(2), at(3));
-            if (ratio < worst) {
-                worst = ratio;
-                worst_tet = t;
-            }
+    /// What start_checks.hpp has; of a start that intersects only what does not mind.
+    void check_rest() {
+        Findings found;
+        if (report_.intersections.num_intersections == 0) {
+            found = check_start(scene_, model_, verifier_);
+        } else {
+            check_lengths(scene_, model_, found);
+            check_materials(scene_, model_, found);
+            check_shapes(model_, found);
+            check_boundary(scene_, model_, found);
         }
-        if (worst_tet < 0) return;
-        const Int4& v = model_.tets[static_cast<std::size_t>(worst_tet)];
-        const std::string text = fmt::format(
-            "the worst tetrahedron is {} of \"{}\" (radius ratio {:.3g}; 1 is regular)",
-            model_.tet_source[static_cast<std::size_t>(worst_tet)],
-            model_.body_names[static_cast<std::size_t>(
-                model_.body[static_cast<std::size_t>(v[0])])],
-            worst);
-        if (worst < 0.02)
-            add(Finding::Severity::Warning,
-                "shapes",
-                text + "; slivers slow the solver, consider remeshing");
-        else
-            add(Finding::Severity::Note, "shapes", text);
-    }
-
-    void check_scales() {
-        double shortest = HUGE_VAL;
-        for (const double sq : model_.edge_rest_sq)
-            shortest = std::min(shortest, std::sqrt(sq));
-        if (shortest < 2.0 * model_.dhat)
-            add(Finding::Severity::Warning,
-                "contact/dhat",
-                fmt::format("dhat = {:g} m is more than half of the shortest surface "
-                            "edge ({:g} m): contact of a "
-                            "body with itself may act at rest; choose a smaller dhat",
-                            model_.dhat,
-                            shortest));
-        for (std::size_t k = 0; k < scene_.bodies.size(); ++k)
-            if (scene_.bodies[k].material.poisson > 0.495)
-                add(Finding::Severity::Warning,
-                    fmt::format("/bodies/{}/material/poisson", k),
-                    "nearly incompressible: linear tetrahedra lock; 0.49 is usually "
-                    "stiff enough");
-    }
-
-    void check_boundary() {
-        if (model_.num_tets() == 0)
-            add(Finding::Severity::Warning,
-                "/bodies",
-                "no body is elastic: nothing but obstacles will move");
-        if (scene_.half_spaces.empty() && model_.conditions.empty()
-            && norm(Vec3d{scene_.gravity[0], scene_.gravity[1], scene_.gravity[2]}) > 0.0
-            && std::find(model_.obstacle.begin(), model_.obstacle.end(), 1)
-                   == model_.obstacle.end())
-            add(Finding::Severity::Note,
-                "scene",
-                "nothing stops the bodies: they fall for ever");
+        check_obstacles(model_, verifier_, found);
+        for (Finding& finding : found)
+            report_.findings.push_back(std::move(finding));
     }
 
     const Scene& scene_;
     const Model& model_;
+    Verifier verifier_{model_};
     CheckReport report_;
 };
 

@@ -4,7 +4,7 @@
 #include "noli/simulator.hpp"
 
 #include "mesh/check.hpp"
-#include "mesh/read.hpp"
+#include "mesh/source.hpp"
 #include "mesh/topology.hpp"
 #include "output/checkpoint.hpp"
 #include "output/file.hpp"
@@ -94,12 +94,22 @@ void add_quality(Lines& lines, MeshRole role, const MeshQuality& quality) {
     }
 }
 
+/// Vertices without an element are none of them.
+int count_components(const Mesh& mesh) {
+    const Components components = connected_components(mesh);
+    const std::vector<std::uint8_t> used = referenced_vertices(mesh);
+    std::vector<std::uint8_t> counts(static_cast<size_t>(components.count), 0);
+    for (size_t v = 0; v < used.size(); ++v)
+        counts[static_cast<size_t>(components.of_vertex[v])] |= used[v];
+    return static_cast<int>(std::count(counts.begin(), counts.end(), 1));
+}
+
 Result<std::string> describe_mesh(const std::string& path) {
-    const Result<Mesh> read = read_mesh(path);
+    const Result<Mesh> read = read_body_mesh(path);
     if (!read) return read.error();
     const Mesh& mesh = read.value();
     const MeshRole role = natural_role(mesh);
-    const MeshReport report = check_mesh(mesh, role);
+    const MeshReport report = check_mesh(mesh, role, body_check_options());
     Lines lines(fmt::format("{}: {}", path, role_name(role)));
     lines.add("counts",
               "{} vertices, {} tetrahedra, {} triangles, {} segments",
@@ -107,10 +117,11 @@ Result<std::string> describe_mesh(const std::string& path) {
               mesh.tets.size(),
               mesh.triangles.size(),
               mesh.segments.size());
+    if (!mesh.points.empty()) lines.add("points", "{}", mesh.points.size());
     if (report.ok()) {
         if (role == MeshRole::Solid)
             lines.add("surface", "{} triangles", boundary_triangles(mesh.tets).size());
-        lines.add("components", "{}", connected_components(mesh).count);
+        lines.add("components", "{}", count_components(mesh));
     }
     add_quality(lines, role, report.quality);
     for (const MeshIssue& issue : report.errors)
@@ -131,9 +142,15 @@ std::vector<BodySize> body_sizes(const Simulator& simulator) {
     const Topology topology = simulator.topology();
     const std::vector<Vector3> positions = simulator.positions();
     std::vector<BodySize> sizes(topology.body_names.size());
+    const auto has_element = [&](size_t v) {
+        return !std::binary_search(topology.unreferenced.begin(),
+                                   topology.unreferenced.end(),
+                                   static_cast<int>(v));
+    };
     for (size_t v = 0; v < positions.size(); ++v) {
         BodySize& size = sizes[static_cast<size_t>(topology.body_of_vertex[v])];
         ++size.vertices;
+        if (!has_element(v)) continue;
         for (int k = 0; k < 3; ++k) {
             const double coordinate = positions[v][static_cast<size_t>(k)];
             size.lo[k] = std::min(size.lo[k], coordinate);
@@ -184,12 +201,15 @@ Result<std::string> describe_scene(const std::string& path) {
               scene.dt);
     lines.add(
         "size",
-        "{} bodies, {} vertices, {} tetrahedra, {} surface triangles, {} half-spaces",
+        "{} bodies, {} vertices, {} tetrahedra, {} surface triangles, {} half-spaces{}",
         resolved.num_bodies,
         resolved.num_vertices,
         resolved.num_tets,
         resolved.num_triangles,
-        scene.half_spaces.size());
+        scene.half_spaces.size(),
+        scene.containers.empty()
+            ? ""
+            : fmt::format(", {} containers", scene.containers.size()));
     lines.add("mass", "{:.6g} kg", resolved.total_mass);
     add_bodies(lines, created.value());
     if (scene.contact.enabled)
@@ -202,6 +222,8 @@ Result<std::string> describe_scene(const std::string& path) {
         lines.add("contact", "off");
     lines.add("tolerance", "{:.6g} m/s", resolved.tolerance);
     lines.add("memory", "about {:.0f} MB", resolved.estimated_mb);
+    const std::vector<SceneWarning>& of_model = resolved.warnings;
+    warnings.insert(warnings.end(), of_model.begin(), of_model.end());
     for (const SceneWarning& warning : warnings)
         lines.add("warning", "{}: {}", warning.where, warning.message);
     return lines.text();

@@ -23,7 +23,9 @@ class Engine {
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
 
-    virtual StepReport step() = 0;
+    /// See Simulator::step.
+    virtual StepReport step(StopFlag stop) = 0;
+    StepReport step() { return step(nullptr); }
     virtual StepState state() = 0;
     [[nodiscard]] virtual int steps() const = 0;
     /// Of the last step's end, m.
@@ -31,8 +33,10 @@ class Engine {
     virtual std::vector<Vec3d> velocities() = 0;  ///< m/s
     virtual void set_state(const StepState& state) = 0;
     virtual std::vector<Vec3d> contact_forces() = 0;  ///< N, of the last step's end
-    virtual double elastic_energy() = 0;              ///< J
-    virtual double barrier_energy() = 0;              ///< of the last step's end, J
+    /// What the last step left unbalanced.
+    virtual Residual residual() = 0;
+    virtual double elastic_energy() = 0;  ///< J
+    virtual double barrier_energy() = 0;  ///< of the last step's end, J
     [[nodiscard]] virtual std::string device_name() const = 0;
     [[nodiscard]] virtual bool is_on_device() const = 0;
 };

@@ -25,9 +25,10 @@ class CpuEngine final : public Engine {
         arena_.run([&] { engine_ = std::make_unique<EngineOn<CpuExec>>(input); });
     }
 
-    StepReport step() override {
+    using Engine::step;
+    StepReport step(StopFlag stop) override {
         StepReport report;
-        arena_.run([&] { report = engine_->step(); });
+        arena_.run([&] { report = engine_->step(stop); });
         return report;
     }
     StepState state() override { return engine_->state(); }
@@ -40,6 +41,11 @@ class CpuEngine final : public Engine {
     std::vector<Vec3d> contact_forces() override {
         std::vector<Vec3d> out;
         arena_.run([&] { out = engine_->contact_forces(); });
+        return out;
+    }
+    Residual residual() override {
+        Residual out;
+        arena_.run([&] { out = engine_->residual(); });
         return out;
     }
     double elastic_energy() override {

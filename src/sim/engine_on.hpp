@@ -14,7 +14,7 @@ class EngineOn {
         : stepper_(exec_, input.model, input.pattern, input.settings, input.gravity),
           num_vertices_(input.model.num_vertices) {}
 
-    StepReport step() { return stepper_.step(); }
+    StepReport step(StopFlag stop = nullptr) { return stepper_.step(stop); }
     StepState state() { return stepper_.state(); }
     [[nodiscard]] int steps() const { return stepper_.steps(); }
     [[nodiscard]] const std::vector<Vec3d>& positions() const {
@@ -33,6 +33,7 @@ class EngineOn {
         exec_.download(View<const Vec3d>(out.view()), host);
         return host;
     }
+    Residual residual() { return stepper_.residual(); }
     double elastic_energy() {
         return stepper_.newton().objective().elastic_energy_at(exec_, stepper_.x());
     }

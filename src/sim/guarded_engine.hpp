@@ -19,9 +19,10 @@ class GuardedEngine final : public Engine {
     GuardedEngine(const EngineInput& input, std::string name)
         : name_(std::move(name)), engine_(input), last_(engine_.state()) {}
 
-    StepReport step() override {
+    using Engine::step;
+    StepReport step(StopFlag stop) override {
         try {
-            if (!lost_) return engine_.step();
+            if (!lost_) return engine_.step(stop);
         } catch (const std::exception& trouble) {
             why_ = name_ + ": " + trouble.what();
         }
@@ -55,6 +56,11 @@ class GuardedEngine final : public Engine {
     std::vector<Vec3d> contact_forces() override {
         return guarded(std::vector<Vec3d>(last_.x.size(), {0.0, 0.0, 0.0}),
                        [&] { return engine_.contact_forces(); });
+    }
+    Residual residual() override {
+        const Residual none{std::vector<Vec3d>(last_.x.size(), {0.0, 0.0, 0.0}),
+                            std::vector<std::uint8_t>(last_.x.size(), 1)};
+        return guarded(none, [&] { return engine_.residual(); });
     }
     double elastic_energy() override {
         return guarded(0.0, [&] { return engine_.elastic_energy(); });

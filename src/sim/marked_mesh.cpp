@@ -21,6 +21,18 @@ std::set<std::array<int, 2>> piercing_edges(const VerifyReport& found) {
     return edges;
 }
 
+/// Vertices beyond half-spaces or containers.
+std::set<int> vertices_beyond(const VerifyReport& found) {
+    std::set<int> vertices;
+    for (const BeyondWall& at : found.beyond_walls)
+        vertices.insert(at.vertices.begin(), at.vertices.end());
+    return vertices;
+}
+
+bool has_vertex(const std::set<int>& vertices, const Int3& t) {
+    return vertices.count(t[0]) + vertices.count(t[1]) + vertices.count(t[2]) > 0;
+}
+
 bool has_edge(const std::set<std::array<int, 2>>& edges, const Int3& t) {
     for (int k = 0; k < 3; ++k) {
         const int a = t[k];
@@ -36,6 +48,7 @@ Status write_marked_mesh(const std::string& path,
                          const Model& model,
                          const VerifyReport& found) {
     const std::set<std::array<int, 2>> edges = piercing_edges(found);
+    const std::set<int> beyond = vertices_beyond(found);
     std::set<std::array<int, 3>> pierced;
     for (const ExactIntersection& hit : found.intersections)
         pierced.insert(hit.triangle);
@@ -52,7 +65,8 @@ Status write_marked_mesh(const std::string& path,
     for (const Vec3d& p : model.x0)
         fmt::format_to(std::back_inserter(text), "{} {} {}\n", p.x, p.y, p.z);
     for (const Int3& t : model.triangles) {
-        const bool red = pierced.count({t[0], t[1], t[2]}) > 0 || has_edge(edges, t);
+        const bool red = pierced.count({t[0], t[1], t[2]}) > 0 || has_edge(edges, t)
+                      || has_vertex(beyond, t);
         fmt::format_to(std::back_inserter(text),
                        "3 {} {} {} {}\n",
                        t[0],

@@ -37,12 +37,14 @@ class Run {
     Result<RunSummary> finish();
 
   private:
+    Status admit_start();
     Status take_directory();
     Status find_checkpoint();
     Status restore();
     Status open_output();
     Status advance();
     Status fail(const StepReport& report);
+    Status give_up(const StepReport& report);
     Status save_checkpoint();
     Status write_record(const char* status);
     [[nodiscard]] bool is_checkpoint_due() const;
@@ -66,6 +68,7 @@ class Run {
     bool is_complete_ = false;  ///< the checkpoint is at or past the last step asked for
     std::vector<std::string> notes_;
     std::unique_ptr<RunOutput> output_;
+    bool is_cancelled_ = false;  ///< in the middle of a step
     Clock::time_point checkpointed_ = Clock::now();
     int checkpointed_step_ = 0;
     double carried_output_s_ = 0.0;  ///< of the checkpoint after the last row
@@ -81,6 +84,8 @@ Status Run::start() {
     Result<Simulator> created = Simulator::create(scene_, simulator_options);
     if (!created) return created.error();
     simulator_ = std::make_unique<Simulator>(std::move(created.value()));
+    for (const SceneWarning& warning : simulator_->resolved().warnings)
+        note("warning: " + warning.where + ": " + warning.message);
 
     Result<std::uint64_t> fingerprint = scene_fingerprint(scene_);
     if (!fingerprint) return fingerprint.error();
@@ -91,9 +96,25 @@ Status Run::start() {
         const VerifyReport initial = simulator_->verify();
         if (initial.num_intersections > 0 || initial.num_inversions > 0)
             return initial_contact(scene_, initial);
+        if (Status fine = admit_start(); !fine) return fine;
     }
     if (Status taken = take_directory(); !taken) return taken;
     return open_output();
+}
+
+/// What `noli check` calls an error keeps the run from starting; its warnings are said
+/// and logged.
+Status Run::admit_start() {
+    std::vector<Finding> warnings;
+    for (const Finding& finding : simulator_->findings()) {
+        if (finding.severity == Finding::Severity::Error)
+            return Error{Error::Code::InitialContact, finding.where, finding.message};
+        if (finding.severity != Finding::Severity::Warning) continue;
+        warnings.push_back(finding);
+        notes_.push_back("warning: " + finding.where + ": " + finding.message);
+    }
+    if (options_.on_warnings && !warnings.empty()) options_.on_warnings(warnings);
+    return Done{};
 }
 
 /// On a resume: is this a run of the same scene, and where does it stand?
@@ -239,7 +260,8 @@ Status Run::write_record(const char* status) {
 
 /// One step and everything that is written about it.
 Status Run::advance() {
-    StepReport report = simulator_->step();
+    StepReport report = simulator_->step(options_.stop);
+    if (report.outcome == Outcome::Cancelled) return give_up(report);
     const bool failed = report.outcome != Outcome::Converged;
     summary_.outcome = report.outcome;
     summary_.message = report.message;
@@ -278,13 +300,20 @@ Status Run::fail(const StepReport& report) {
     return output_->log(folder ? "repro bundle: " + folder.value() : notes_.back());
 }
 
+/// A step that was cancelled leaves nothing but a line in the log: the run stands where
+/// it stood before it.
+Status Run::give_up(const StepReport& report) {
+    is_cancelled_ = true;
+    return output_->log(fmt::format("step {} {}", report.step, report.message));
+}
+
 Result<RunSummary> Run::finish() {
     if (options_.on_start)
         options_.on_start(
             simulator_->resolved(), simulator_->steps_done() + 1, steps_asked_);
     Status status = Done{};
     const bool has_work = !is_done();
-    while (status && !is_done() && !is_stopped()
+    while (status && !is_done() && !is_stopped() && !is_cancelled_
            && summary_.outcome == Outcome::Converged)
         status = advance();
     const bool converged = summary_.outcome == Outcome::Converged;

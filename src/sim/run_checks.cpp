@@ -2,6 +2,7 @@
 #include "sim/run_checks.hpp"
 
 #include "output/run_folder.hpp"
+#include "sim/beyond_walls.hpp"
 
 #include <algorithm>
 #include <array>
@@ -49,8 +50,11 @@ Status admit_directory(const RunOptions& options) {
 }
 
 Error initial_contact(const Scene& scene, const VerifyReport& report) {
-    std::string message;
-    if (report.num_intersections > 0) {
+    std::string message = describe_beyond_walls(report.beyond_walls);
+    if (message.empty()) message = report.too_close;
+    if (!message.empty()) {
+        message += " (before the first step)";
+    } else if (report.num_intersections > 0) {
         message = fmt::format("{} intersections before the first step",
                               report.num_intersections);
         if (!report.intersections.empty()) {

@@ -55,7 +55,8 @@ RunOutput::RunOutput(RunPaths paths,
             topology.segments,
             topology.body_of_vertex,
             topology.body_names,
-            initial_positions_} {
+            initial_positions_,
+            topology.unreferenced} {
     vtu_ = std::make_unique<VtuWriter>(mesh_);
     if (has_format("obj") || has_format("ply"))
         surface_ = std::make_unique<SurfaceWriter>(mesh_);

@@ -40,6 +40,8 @@ std::vector<std::string> companion_files(const std::string& absolute) {
     };
     if (extension == ".node") candidates.push_back(beside(".ele"));
     if (extension == ".ele") candidates.push_back(beside(".node"));
+    if (extension == ".NODE") candidates.push_back(beside(".ELE"));
+    if (extension == ".ELE") candidates.push_back(beside(".NODE"));
     if (extension == ".seg" || extension == ".pt") candidates.push_back(beside(".obj"));
     // TetGen's pair may be named without extension.
     candidates.emplace_back(absolute + ".node");

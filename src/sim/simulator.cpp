@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "noli/simulator.hpp"
 
+#include "model/rotation.hpp"
 #include "output/hash.hpp"
+#include "sim/beyond_walls.hpp"
 #include "sim/engine.hpp"
 #include "sim/estimate.hpp"
+#include "sim/net_force.hpp"
+#include "sim/squeeze.hpp"
+#include "sim/start_checks.hpp"
 #include "sim/state_bytes.hpp"
 #include "sim/step_settings.hpp"
 #include "sim/stress.hpp"
@@ -59,6 +64,8 @@ const char* to_string(Outcome outcome) {
             return "intersecting";
         case Outcome::DeviceFailed:
             return "device_failed";
+        case Outcome::Cancelled:
+            return "cancelled";
     }
     return "unknown";
 }
@@ -78,10 +85,29 @@ struct Simulator::Impl {
     std::vector<std::array<int, 2>> segments;
 
     Status start();
+    Verifier& exact() {
+        if (!verifier) verifier = std::make_unique<Verifier>(model);
+        return *verifier;
+    }
+    void explain(StepReport& report);
     Status choose_engine();
     void copy_topology();
     void resolve();
 };
+
+/// Adds to the message of a failed step what only a look at whole bodies can tell.
+void Simulator::Impl::explain(StepReport& report) {
+    if (report.outcome == Outcome::Converged || report.outcome == Outcome::Cancelled
+        || report.outcome == Outcome::DeviceFailed)
+        return;
+    const std::string squeezed = describe_squeeze(
+        model, exact().gaps(engine->positions(), settings.contact.barrier_exponent));
+    if (!squeezed.empty()) report.message = squeezed + "; " + report.message;
+    if (model.walls.empty()) return;
+    const std::string beyond =
+        describe_beyond_walls(exact().run(engine->positions()).beyond_walls);
+    if (!beyond.empty()) report.message = beyond + "; " + report.message;
+}
 
 Status Simulator::Impl::choose_engine() {
     const EngineInput input{model, pattern, settings, scene.gravity, options.threads};
@@ -164,9 +190,11 @@ Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 Simulator::~Simulator() = default;
 
 Result<Simulator> Simulator::create(const Scene& scene, const SimulatorOptions& options) {
-    Result<Model> model = build_model(scene);
+    std::vector<SceneWarning> warnings;
+    Result<Model> model = build_model(scene, &warnings);
     if (!model) return model.error();
     auto impl = std::make_unique<Impl>();
+    impl->resolved.warnings = std::move(warnings);
     impl->scene = scene;
     impl->options = options;
     impl->model = std::move(model.value());
@@ -175,11 +203,16 @@ Result<Simulator> Simulator::create(const Scene& scene, const SimulatorOptions& 
     return Simulator(std::move(impl));
 }
 
-StepReport Simulator::step() {
+StepReport Simulator::step(const std::atomic<bool>* stop) {
     const auto start = std::chrono::steady_clock::now();
-    StepReport report = impl_->engine->step();
-    if (impl_->options.verify) {
+    StepReport report = impl_->engine->step(stop);
+    impl_->explain(report);
+    if (impl_->options.verify && report.outcome != Outcome::Cancelled) {
         const VerifyReport exact = verify();
+        for (const NetForce& net : net_forces()) {
+            report.net_force = std::max(report.net_force, norm(to_vec3(net.force)));
+            report.net_torque = std::max(report.net_torque, norm(to_vec3(net.torque)));
+        }
         report.intersections = exact.num_intersections;
         report.inversions = exact.num_inversions;
         if (exact.num_intersections + exact.num_inversions > 0
@@ -213,7 +246,8 @@ Topology Simulator::topology() const {
             impl_->segments,
             impl_->model.body,
             impl_->model.body_names,
-            impl_->model.mass};
+            impl_->model.mass,
+            impl_->model.unreferenced};
 }
 
 std::vector<Vector3> Simulator::positions() const {
@@ -231,8 +265,11 @@ Fields Simulator::fields() {
 }
 
 VerifyReport Simulator::verify() const {
-    if (!impl_->verifier) impl_->verifier = std::make_unique<Verifier>(impl_->model);
-    return impl_->verifier->run(impl_->engine->positions());
+    return impl_->exact().run(impl_->engine->positions());
+}
+
+std::vector<Finding> Simulator::findings() const {
+    return check_start(impl_->scene, impl_->model, impl_->exact());
 }
 
 std::uint64_t Simulator::state_hash() const {
@@ -250,6 +287,11 @@ Status Simulator::restore(std::span<const std::byte> bytes) {
     if (!state) return state.error();
     impl_->engine->set_state(state.value());
     return Done{};
+}
+
+std::vector<NetForce> Simulator::net_forces() {
+    return noli::net_forces(
+        impl_->model, impl_->engine->positions(), impl_->engine->residual());
 }
 
 Simulator::Balance Simulator::balance() {

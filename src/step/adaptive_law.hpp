@@ -18,7 +18,8 @@ class AdaptiveLaw {
         law_ = {.barrier = {.dhat = settings.dhat,
                             .kappa = settings.contact.kappa,
                             .exponent = settings.contact.barrier_exponent,
-                            .curvature_cap = 0.0},
+                            .curvature_cap = 0.0,
+                            .min_separation = settings.contact.min_separation},
                 .hessian = hessian_of(settings.contact.hessian),
                 .mollified = hessian_of(settings.contact.mollifier)};
     }
@@ -35,12 +36,23 @@ class AdaptiveLaw {
     [[nodiscard]] bool adapts() const { return settings_.contact.kappa <= 0.0; }
     void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
 
-    /// Looks at the smallest gap (m) of an accepted state. Returns true if kappa changed.
+    /// Looks at the smallest distance (m) of an accepted state. Where it is tiny and
+    /// still shrinks, kappa rises to what would carry the present force at a gap of
+    /// kWantedGap dhat, ten times at most: a step shrinks no gap more than five times, so
+    /// kappa keeps up. Returns true if it changed.
     bool stiffen(double gap) {
-        const double tiny = std::sqrt(kTinyGapSq) * settings_.diagonal;
-        const bool stiffer =
-            adapts() && gap < tiny && gap < last_gap_ && law_.barrier.kappa < range_.high;
-        if (stiffer) law_.barrier.kappa = std::min(2.0 * law_.barrier.kappa, range_.high);
+        gap -= settings_.contact.min_separation;
+        const double kappa = law_.barrier.kappa;
+        const bool stiffer = adapts() && gap > 0.0 && gap < kTinyGap * settings_.dhat
+                          && gap < last_gap_ && kappa < range_.high;
+        if (stiffer) {
+            const auto slope = [&](double d) {
+                return barrier_slope(law_.barrier.exponent, d, settings_.dhat);
+            };
+            const double factor =
+                std::min(slope(gap) / slope(kWantedGap * settings_.dhat), kMostRise);
+            law_.barrier.kappa = std::min(factor * kappa, range_.high);
+        }
         last_gap_ = gap;
         return stiffer;
     }

@@ -26,7 +26,11 @@ class BoundaryPace {
         return std::max(usual * factor, std::min(usual, kTightest));
     }
 
+    /// Whether the last iteration went all its way.
+    [[nodiscard]] bool full_step() const { return full_step_; }
+
     void add(const IterationRecord& record) {
+        full_step_ = record.step == 1.0;
         exactness_ = record.step < kPoorStep ? kMovingFactor * exactness_ : 1.0;
         if (record.boundary_moved) {
             short_moves_ += record.step < kShortMove ? 1 : 0;
@@ -60,6 +64,7 @@ class BoundaryPace {
     static constexpr int kShortMovesToYield = 6;
     int relax_ = 0;
     int short_moves_ = 0;
+    bool full_step_ = false;
     double exactness_ = 1.0;
 };
 

@@ -22,6 +22,7 @@ class BoundaryPath {
     [[nodiscard]] View<const Vec3d> end() const {
         return {points_.data + static_cast<long>(legs_ - 1) * size_, size_};
     }
+    [[nodiscard]] bool is_one_leg() const { return legs_ == 1; }
     /// False on the last leg.
     bool next_leg() {
         if (leg_ + 1 >= legs_) return false;

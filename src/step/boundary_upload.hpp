@@ -44,13 +44,17 @@ class BoundaryUpload {
             acceleration_ = boundary.acceleration;
             exec.upload(acceleration_, on_device_.acceleration);
         }
-        const bool same_set = detail::same_bytes(boundary.prescribed, prescribed_);
+        const bool same_set = detail::same_bytes(boundary.prescribed, prescribed_)
+                           && detail::same_bytes(boundary.axes, axes_);
         if (!same_set) {
             prescribed_ = boundary.prescribed;
+            axes_ = boundary.axes;
             ids_.clear();
             for (std::size_t v = 0; v < prescribed_.size(); ++v)
-                if (prescribed_[v] != 0) ids_.push_back(static_cast<int>(v));
+                if (prescribed_[v] != 0 || (!axes_.empty() && axes_[v] != 0))
+                    ids_.push_back(static_cast<int>(v));
             exec.upload(prescribed_, on_device_.fixed);
+            if (!axes_.empty()) exec.upload(axes_, on_device_.axes);
             exec.upload(ids_, on_device_.ids);
         }
         update_path(exec, boundary, same_set);
@@ -59,10 +63,16 @@ class BoundaryUpload {
     [[nodiscard]] View<const std::uint8_t> fixed() const {
         return on_device_.fixed.view();
     }
+    /// StepBoundary::axes; empty where no single axes are prescribed.
+    [[nodiscard]] View<const std::uint8_t> axes() const {
+        if (axes_.empty()) return {};
+        return on_device_.axes.view();
+    }
     [[nodiscard]] View<const Vec3d> acceleration() const {
         return on_device_.acceleration.view();
     }
-    /// Legs times num_vertices positions; only those of prescribed vertices are set.
+    /// Legs times num_vertices positions; only those of vertices that are prescribed,
+    /// wholly or on single axes, are set.
     [[nodiscard]] View<const Vec3d> path() const { return on_device_.path.view(); }
 
   private:
@@ -87,12 +97,12 @@ class BoundaryUpload {
                              on_device_.path.view());
     }
 
-    std::vector<std::uint8_t> prescribed_;
-    std::vector<int> ids_;  ///< of the prescribed vertices
+    std::vector<std::uint8_t> prescribed_, axes_;
+    std::vector<int> ids_;  ///< of the vertices of the path
     std::vector<Vec3d> acceleration_, points_;
     std::size_t legs_ = 0;
     struct {
-        typename Exec::template Buffer<std::uint8_t> fixed;
+        typename Exec::template Buffer<std::uint8_t> fixed, axes;
         typename Exec::template Buffer<int> ids;
         typename Exec::template Buffer<Vec3d> points, path, acceleration;
     } on_device_;

@@ -10,6 +10,7 @@
 #include "objective/objective.hpp"
 #include "step/boundary_path.hpp"
 #include "step/settings.hpp"
+#include "step/single_axes.hpp"
 #include "step/sound_travel.hpp"
 
 namespace noli {
@@ -18,7 +19,8 @@ struct DirectionResult {
     int iterations = 0;  ///< of PCG; 1 for a direct solve
     bool fine = true;    ///< found to the fine tolerance
     bool ok = true;
-    std::string trouble;  ///< why not ok
+    bool cancelled = false;  ///< on request, in the middle of it
+    std::string trouble;     ///< why not ok
 };
 
 namespace detail {
@@ -46,6 +48,17 @@ void right_hand_side(Exec& exec,
 }
 
 template <class Exec>
+void free_residual(Exec& exec,
+                   View<const std::uint8_t> fixed,
+                   double scale,
+                   View<const Vec3d> gradient,
+                   View<Vec3d> out) {
+    exec.for_each("step/free_residual", out.size, [=] NOLI_HD(int i) {
+        out[i] = fixed[i] ? Vec3d{0.0, 0.0, 0.0} : scale * gradient[i];
+    });
+}
+
+template <class Exec>
 Later max_component(Exec& exec, View<const Vec3d> a) {
     return exec.max_later(
         "step/max_component", a.size, [=] NOLI_HD(int i) { return max_abs(a[i]); });
@@ -65,12 +78,11 @@ Later max_free_component(Exec& exec,
 template <class Exec>
 class DirectionSolver {
   public:
-    DirectionSolver(const Model& model, LinearSolver linear) {
+    DirectionSolver(const Model& model, double dt, LinearSolver linear) {
         const int num_vertices = model.num_vertices;
-        const std::vector<int> order = morton_order(model.x0);
+        const std::vector<int> order = morton_order(model.places());
         pcg_.set_order(order);
-        const int size =
-            Exec::kIsDevice ? kDeviceAggregate : aggregate_size_for(num_vertices, linear);
+        const int size = piece_size(model, dt, linear, Exec::kIsDevice);
         pcg_.set_aggregates(cut_aggregates(model.tets, order, size));
         rhs_.resize(num_vertices);
         prescribed_.resize(num_vertices);
@@ -78,7 +90,11 @@ class DirectionSolver {
     }
 
     /// Forgets what solves of earlier steps have left, for a resumed run has none of it.
-    void begin_step() { pcg_.forget(); }
+    /// axes: of vertices that are prescribed on single axes (single_axes.hpp).
+    void begin_step(View<const std::uint8_t> axes = {}) {
+        pcg_.forget();
+        axes_ = axes;
+    }
 
     /// Starts to look how far the prescribed vertices are from the end of the leg that
     /// they are on; before find_remaining.
@@ -87,6 +103,8 @@ class DirectionSolver {
                     const BoundaryPath& path,
                     View<const Vec3d> x) {
         detail::remaining_motion(exec, fixed, path.target(), x, prescribed_.view());
+        if (axes_.size > 0)
+            detail::remaining_on_axes(exec, axes_, path.target(), x, prescribed_.view());
         ahead_ = detail::max_component(exec, View<const Vec3d>(prescribed_.view()));
     }
 
@@ -121,14 +139,18 @@ class DirectionSolver {
             objective.terms().multiply_add(
                 exec, View<const Vec3d>(prescribed_.view()), pushed_.view());
         }
+        if (axes_.size > 0)
+            detail::decouple_axes(exec, axes_, objective.matrix(), objective.terms());
         detail::right_hand_side(exec,
                                 fixed,
                                 objective.gradient(),
                                 View<const Vec3d>(pushed_.view()),
                                 rhs_.view());
+        if (axes_.size > 0) detail::zero_axes(exec, axes_, rhs_.view());
         DirectionResult result = settings.linear == LinearSolver::Cholmod
                                    ? solve_cholmod(exec, objective, fixed, p)
                                    : solve_pcg(exec, objective, fixed, pcg, p.view());
+        if (axes_.size > 0) detail::zero_axes(exec, axes_, p.view());
         if (remaining_ > 0.0)
             detail::add_scaled(
                 exec, 1.0, View<const Vec3d>(prescribed_.view()), p.view());
@@ -150,6 +172,7 @@ class DirectionSolver {
                                             p);
         DirectionResult out{.iterations = solved.iterations,
                             .fine = solved.refined || !options.refine};
+        out.cancelled = solved.outcome == PcgResult::Outcome::Cancelled;
         if (solved.outcome == PcgResult::Outcome::Breakdown) {
             out.ok = false;
             out.trouble =
@@ -187,6 +210,7 @@ class DirectionSolver {
     typename Exec::template Buffer<Vec3d> rhs_, prescribed_, pushed_;
     Pcg<Exec> pcg_;
     CholmodSolver cholmod_;
+    View<const std::uint8_t> axes_{};
     Later ahead_;
     double remaining_ = 0.0;
 };

@@ -20,8 +20,11 @@
 #include "step/newton_direction.hpp"
 #include "step/newton_search.hpp"
 #include "step/newton_state.hpp"
+#include "step/projection.hpp"
 #include "step/stiffness.hpp"
 #include "step/trouble.hpp"
+
+#include <vector>
 
 namespace noli {
 
@@ -44,25 +47,29 @@ class Newton {
     Newton(const Newton&) = delete;
     Newton& operator=(const Newton&) = delete;
 
-    /// Prepares a step that starts at x: contact surface, pairs, kappa and lagged
-    /// friction.
+    /// Vertices that are prescribed on single axes (single_axes.hpp); before begin_step.
+    void set_axes(View<const std::uint8_t> axes) { state_.axes = axes; }
+
+    /// Looks for the pairs at x, where a step starts. begin_step is next.
+    void find_first_pairs(View<const Vec3d> x, StepReport& report) {
+        const PhaseTimer timer(report.t_pairs);
+        Collision<Exec>& collision = state_.collision;
+        collision.begin_step(exec_, model_, model_.obstacle);
+        collision.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
+        collision.find_pairs_at(exec_, x, settings_.dhat, state_.pairs);
+    }
+
+    /// Prepares a step that starts at x: prediction, kappa and lagged friction.
     void begin_step(const StepScales& scales,
                     View<const std::uint8_t> fixed,
                     View<const Vec3d> x,
                     View<const Vec3d> x_tilde,
-                    StepReport& report) {
+                    View<const double> weight) {
         state_.fixed = fixed;
         yielded_ = false;
         direction_.begin_step();
-        state_.objective.begin_step(exec_, scales, x, x_tilde, fixed);
+        state_.objective.begin_step(exec_, scales, x, x_tilde, weight, fixed);
         state_.law.begin_step();
-        {
-            const PhaseTimer timer(report.t_pairs);
-            Collision<Exec>& collision = state_.collision;
-            collision.begin_step(exec_, model_, model_.obstacle);
-            collision.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
-            collision.find_pairs_at(exec_, x, settings_.dhat, state_.pairs);
-        }
         if (state_.law.adapts())
             state_.law.set_kappa(balanced_stiffness(exec_,
                                                     state_.objective,
@@ -72,13 +79,35 @@ class Newton {
                                                     state_.law.current(),
                                                     state_.law.range(),
                                                     state_.p.view(),
-                                                    state_.x_trial.view()));
+                                                    state_.x_trial.view(),
+                                                    state_.axes));
         lag_friction_at(x);
+    }
+
+    /// The bodies of the present pairs; true if an elastic one was not among them before.
+    bool add_touching(Touching<Exec>& touching) {
+        const View<const int> body = state_.objective.device().body.view();
+        return state_.collision.add_touching(exec_, state_.pairs, body, touching);
+    }
+
+    /// Active pairs at x, for contact forces at a state that no step ended in.
+    void find_pairs_at(View<const Vec3d> x) {
+        state_.collision.find_candidates_along(exec_, x, {}, 0.0, settings_.dhat);
+        state_.collision.find_pairs_at(exec_, x, settings_.dhat, state_.pairs);
     }
 
     void lag_friction_at(View<const Vec3d> x) {
         if (settings_.has_friction)
             state_.objective.lag_friction_at(exec_, state_.pairs, x, law());
+    }
+
+    /// The same at the end of a minimisation; returns how much the friction forces of
+    /// bodies have changed, relative (friction_change).
+    double lag_friction_again_at(View<const Vec3d> x) {
+        state_.objective.sum_friction(exec_, friction_before_);
+        lag_friction_at(x);
+        state_.objective.sum_friction(exec_, friction_after_);
+        return friction_change(friction_before_, friction_after_);
     }
 
     /// Minimises the incremental potential from x, with prescribed vertices going along
@@ -91,7 +120,10 @@ class Newton {
         stall_ = {};
         pace_ = {};
         state_.energy_known = false;
+        undecided_ = 0;
+        projection_.begin(settings_.solver.projection == HessianProjection::Always);
         for (int k = 0; k < settings_.solver.max_newton; ++k) {
+            if (is_set(settings_.stop)) return cancelled(report.newton, report);
             IterationRecord record;
             record.iteration = report.newton;
             const Progress progress = iterate(path, tolerance, x, record, report);
@@ -104,7 +136,49 @@ class Newton {
         return Outcome::MaxIterations;
     }
 
+    /// Goes along the displacement `guess` (m) before the first iteration, if nothing
+    /// collides or inverts on the way and the energy does not rise. Where prescribed
+    /// vertices move it may: they do work.
+    void go_ahead(View<const Vec3d> guess,
+                  bool boundary_moves,
+                  View<Vec3d> x,
+                  StepReport& report) {
+        const View<Vec3d> p = state_.p.view();
+        exec_.copy(guess, p);
+        const View<const Vec3d> from = x;
+        const View<const Vec3d> along = p;
+        const double before = energy_at(from);
+        IterationRecord record;
+        const InversionLater inversion =
+            state_.objective.inversion_bound_along(exec_, from, along, kKeepVolume);
+        state_.collision.look_along(exec_, from, along);
+        search_.bound_step(from, inversion, record, report);
+        const View<Vec3d> trial = state_.x_trial.view();
+        if (record.step_bound == 1.0) {
+            detail::trial_point(exec_, from, along, 1.0, trial);
+            state_.collision.find_pairs_at(exec_, trial, settings_.dhat, state_.pairs);
+            const double after = energy_at(trial);
+            if (after <= before || (boundary_moves && after < HUGE_VAL)) {
+                exec_.copy(View<const Vec3d>(trial), x);
+                return;
+            }
+        }
+        state_.collision.find_pairs_at(exec_, from, settings_.dhat, state_.pairs);
+    }
+
+    /// Minus the gradient over h^2 at x, where the last minimisation ended, N; 0 before
+    /// the first step and where vertices are prescribed.
+    void residual_at(View<const Vec3d> x, View<Vec3d> out) {
+        detail::set_zero(exec_, out);
+        const double h_sq = state_.objective.scales().h_sq;
+        if (!(h_sq > 0.0)) return;
+        state_.objective.assemble(exec_, x, state_.pairs, law());
+        detail::free_residual(
+            exec_, state_.fixed, -1.0 / h_sq, state_.objective.gradient(), out);
+    }
+
     Objective<Exec>& objective() { return state_.objective; }
+    const Objective<Exec>& objective() const { return state_.objective; }
     Collision<Exec>& collision() { return state_.collision; }
     [[nodiscard]] const PairSet<Exec>& pairs() const { return state_.pairs; }
     [[nodiscard]] const ContactLaw& law() const { return state_.law.current(); }
@@ -113,6 +187,10 @@ class Newton {
     void set_kappa(double kappa) { state_.law.set_kappa(kappa); }
 
   private:
+    double energy_at(View<const Vec3d> x) {
+        return state_.objective.energy(exec_, x, state_.pairs, law());
+    }
+
     struct Progress {
         bool ended = false;
         Outcome outcome = Outcome::Converged;
@@ -124,7 +202,8 @@ class Newton {
                      IterationRecord& record,
                      StepReport& report) {
         direction_.look_ahead(path, x);
-        state_.assemble(exec_, x, report);
+        const bool exact = projection_.exact();
+        state_.assemble(exec_, x, !exact, report);
         record.energy = state_.energy;
         record.energy_after = state_.energy;
         record.kappa = law().barrier.kappa;
@@ -132,7 +211,13 @@ class Newton {
         record.boundary_moved = !arrived && pace_.moves();
         if (!record.boundary_moved) direction_.hold_prescribed();
         const double small = arrived ? tolerance * settings_.dt : 0.0;
-        const DirectionResult solved = direction_.solve(x, small, pace_, record, report);
+        DirectionResult solved = direction_.solve(x, small, pace_, exact, record, report);
+        if (!solved.ok && exact) {
+            projection_.broke_down();
+            state_.assemble(exec_, x, /*project=*/true, report);
+            solved = direction_.solve(x, small, pace_, false, record, report);
+        }
+        if (solved.cancelled) return {true, cancelled(report.newton - 1, report)};
         if (!solved.ok) {
             report.message = solved.trouble;
             return {true, Outcome::LinearSolverFailed};
@@ -148,11 +233,13 @@ class Newton {
                 describe_not_finite(record.direction, state_.energy, report.newton);
             return {true, Outcome::NumericalTrouble};
         }
-        const bool converged = may_end && small_enough(record, tolerance)
-                            && exec_.value(figures.unrest) <= kFrictionUnrest;
+        const bool converged =
+            may_end && small_enough(record, tolerance) && gaps_have_settled(x, report)
+            && friction_is_decided(x, tolerance, exec_.value(figures.unrest), report);
+        report.direction_ratio = record.direction / (tolerance * settings_.dt);
         search_.bound_step(x, figures.inversion, record, report);
-        const bool moved =
-            search_.search(x, converged, exec_.value(figures.slope), record, report);
+        const bool moved = go_along(x, figures, tolerance, converged, record, report);
+        projection_.took(record.step, record.boundary_moved);
         if (converged) return {true, Outcome::Converged};
         if (!moved && pace_.retry_more_exactly()) return {};
         if (!moved) {
@@ -164,6 +251,49 @@ class Newton {
         return progress;
     }
 
+    /// Searches along the direction. Where one that turns pieces does not lower the
+    /// energy at once, shorter turns are tried, and then the straight direction. False if
+    /// no step was found.
+    bool go_along(View<Vec3d> x,
+                  const DirectionFigures& figures,
+                  double tolerance,
+                  bool converged,
+                  IterationRecord& record,
+                  StepReport& report) {
+        double slope = exec_.value(figures.slope);
+        if (direction_.is_turned()) {
+            if (search_.search(x, false, slope, 1, record, report)) return true;
+            for (const double share : {0.25, 0.0625}) {
+                direction_.shorten(x, share);
+                slope = bound_again(x, tolerance, record, report);
+                if (!search_.search(x, false, slope, 1, record, report)) continue;
+                record.step *= share;
+                return true;
+            }
+            direction_.straighten();
+            slope = bound_again(x, tolerance, record, report);
+        }
+        return search_.search(x, converged, slope, kMaxHalvings, record, report);
+    }
+
+    /// Bounds the step along another direction; returns its slope.
+    double bound_again(View<const Vec3d> x,
+                       double tolerance,
+                       IterationRecord& record,
+                       StepReport& report) {
+        IterationRecord other;
+        const DirectionFigures figures = direction_.measure(x, false, tolerance, other);
+        record.limiting.clear();
+        search_.bound_step(x, figures.inversion, record, report);
+        return exec_.value(figures.slope);
+    }
+
+    static Outcome cancelled(int done, StepReport& report) {
+        report.message =
+            "given up on request after " + std::to_string(done) + " Newton iterations";
+        return Outcome::Cancelled;
+    }
+
     /// The stopping test on the direction, or on the gradient if the settings say so.
     /// Source: MATH 8 (direction); supplement 9 (gradient).
     [[nodiscard]] bool small_enough(const IterationRecord& record,
@@ -172,6 +302,33 @@ class Newton {
         if (bound <= 0.0) return record.direction < tolerance * settings_.dt;
         return record.gradient
             <= bound * settings_.diagonal * settings_.dt * settings_.dt;
+    }
+
+    /// True if the direction just found changes no gap by more than gap_tolerance: normal
+    /// forces, and friction with them, depend on the gaps alone.
+    bool gaps_have_settled(View<const Vec3d> x, StepReport& report) {
+        const double bound = settings_.solver.gap_tolerance;
+        report.gap_change = 0.0;
+        if (bound <= 0.0 || state_.pairs.size() == 0) return true;
+        const PhaseTimer timer(report.t_ccd);
+        const View<Vec3d> moved = state_.x_trial.view();
+        detail::trial_point(exec_, x, View<const Vec3d>(state_.p.view()), 1.0, moved);
+        report.gap_change = exec_.value(state_.collision.gap_change(
+            exec_, state_.pairs, x, View<const Vec3d>(moved)));
+        return report.gap_change <= bound;
+    }
+
+    /// True if it is decided which pairs stick, or if that has been all that was missing
+    /// for kMostUndecided iterations: two pairs may pass a slip to and fro for ever.
+    bool friction_is_decided(View<const Vec3d> x,
+                             double tolerance,
+                             double unrest,
+                             StepReport& report) {
+        if (unrest <= kFrictionUnrest) return true;
+        if (++undecided_ < kMostUndecided) return false;
+        report.message =
+            describe_undecided(model_, direction_.least_settled(x, tolerance, unrest));
+        return true;
     }
 
     /// Prescribed vertices of elastic bodies that something blocks are held by springs
@@ -211,8 +368,11 @@ class Newton {
     NewtonSearch<Exec> search_;
     StallDetector stall_;
     BoundaryPace pace_;
+    ProjectionOnDemand projection_;
+    std::vector<double> friction_before_, friction_after_;  ///< per body
     typename Exec::template Buffer<std::uint8_t> obstacle_;
     bool yielded_ = false;
+    int undecided_ = 0;  ///< iterations that lacked nothing but decided friction
 };
 
 }  // namespace noli

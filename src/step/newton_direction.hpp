@@ -7,6 +7,7 @@
 #include "step/boundary_path.hpp"
 #include "step/direction.hpp"
 #include "step/newton_state.hpp"
+#include "step/retraction.hpp"
 #include "step/sound_travel.hpp"
 
 #include <algorithm>
@@ -29,13 +30,14 @@ class NewtonDirection {
         : exec_(exec),
           settings_(settings),
           state_(state),
-          solver_(model, settings.solver.linear) {
+          solver_(model, settings.dt, settings.solver.linear),
+          retraction_(exec, model) {
+        straight_.resize(model.num_vertices);
         by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
-        use_coarse_ = wants_coarse_space(model, settings.dt, Exec::kIsDevice)
-                   && settings.solver.linear != LinearSolver::BlockJacobi;
+        use_coarse_ = settings.solver.linear != LinearSolver::BlockJacobi;
     }
 
-    void begin_step() { solver_.begin_step(); }
+    void begin_step() { solver_.begin_step(state_.axes); }
 
     /// Starts to look how far the prescribed vertices are from the end of the leg that
     /// they are on; before arrives.
@@ -52,19 +54,32 @@ class NewtonDirection {
     /// Keeps the prescribed vertices where they are in the next direction.
     void hold_prescribed() { solver_.hold_prescribed(); }
 
-    /// `small` is the size of a direction, m, below which Newton may end.
+    /// `small` is the size of a direction, m, below which Newton may end; `may_break`
+    /// where the Hessian need not be positive definite.
     DirectionResult solve(View<const Vec3d> x,
                           double small,
                           const BoundaryPace& pace,
+                          bool may_break,
                           IterationRecord& record,
                           StepReport& report) {
         const PhaseTimer timer(report.t_solve);
-        DirectionResult solved = solver_.solve(exec_,
-                                               state_.objective,
-                                               state_.fixed,
-                                               settings_.solver,
-                                               pcg_options(x, small, pace, record),
-                                               state_.p);
+        DirectionResult solved =
+            solver_.solve(exec_,
+                          state_.objective,
+                          state_.fixed,
+                          settings_.solver,
+                          pcg_options(x, small, pace, may_break, record),
+                          state_.p);
+        is_turned_ = false;
+        if (solved.ok && state_.axes.size == 0) {
+            exec_.copy(View<const Vec3d>(state_.p.view()), straight_.view());
+            turn_ = retraction_.correct(exec_,
+                                        state_.objective.device().mass.view(),
+                                        state_.fixed,
+                                        x,
+                                        state_.p.view());
+            is_turned_ = true;
+        }
         ++report.newton;
         report.pcg += solved.iterations;
         record.pcg = solved.iterations;
@@ -84,38 +99,83 @@ class NewtonDirection {
         const Later size = detail::max_component(exec_, p);
         DirectionFigures out;
         if (settings_.record_iterations || settings_.solver.gradient_tolerance > 0.0)
-            out.gradient =
-                detail::max_free_component(exec_, objective.gradient(), state_.fixed);
+            out.gradient = largest_gradient();
         out.slope = detail::dot_sum(exec_, objective.gradient(), p);
-        const double weak = 0.01 * tolerance * settings_.dt * settings_.mean_mass;
-        if (may_end) out.unrest = objective.friction_unrest(exec_, x, p, weak);
+        if (may_end)
+            out.unrest = objective.friction_unrest(exec_, x, p, weak_friction(tolerance));
         out.inversion = objective.inversion_bound_along(exec_, x, p, kKeepVolume);
         state_.collision.look_along(exec_, x, p);
         record.direction = exec_.value(size);
+        if (is_turned_)
+            is_turned_ = exec_.value(turn_) > kTurnThatCounts * record.direction;
         record.gradient = exec_.value(out.gradient);
         return out;
     }
 
+    /// Whether the direction has been corrected for turning pieces, by so much that it is
+    /// another one.
+    [[nodiscard]] bool is_turned() const { return is_turned_; }
+    /// Takes a share of the direction, turned anew. What was measured is to be measured
+    /// again.
+    void shorten(View<const Vec3d> x, double share) {
+        const View<Vec3d> p = state_.p.view();
+        detail::set_zero(exec_, p);
+        detail::add_scaled(exec_, share, View<const Vec3d>(straight_.view()), p);
+        retraction_.correct(
+            exec_, state_.objective.device().mass.view(), state_.fixed, x, p);
+    }
+    /// Takes that back. What was measured is to be measured again.
+    void straighten() {
+        exec_.copy(View<const Vec3d>(straight_.view()), state_.p.view());
+        is_turned_ = false;
+    }
+
+    /// The vertices of the pair whose friction is as far from settled as `unrest`.
+    Int4 least_settled(View<const Vec3d> x, double tolerance, double unrest) {
+        return state_.objective.vertices_with_unrest(exec_,
+                                                     x,
+                                                     View<const Vec3d>(state_.p.view()),
+                                                     weak_friction(tolerance),
+                                                     unrest);
+    }
+
   private:
+    /// mu lambda_N of friction that has no say in where Newton may end, kg m.
+    [[nodiscard]] double weak_friction(double tolerance) const {
+        return 0.01 * tolerance * settings_.dt * settings_.mean_mass;
+    }
+
+    [[nodiscard]] Later largest_gradient() {
+        const View<const Vec3d> g = state_.objective.gradient();
+        if (state_.axes.size == 0)
+            return detail::max_free_component(exec_, g, state_.fixed);
+        return detail::max_free_component(exec_, g, state_.fixed, state_.axes);
+    }
+
     /// Far from the solution a rough direction serves as well as an exact one; a
     /// direction that may be the last is found to the fine tolerance before it is
     /// believed.
     PcgOptions pcg_options(View<const Vec3d> x,
                            double small,
                            const BoundaryPace& pace,
+                           bool may_break,
                            const IterationRecord& record) {
         const double asked = settings_.solver.pcg_tolerance;
         PcgOptions options{.max_iterations = settings_.solver.max_pcg,
                            .preconditioner = preconditioner(),
                            .contacts_by_warps = by_warps_,
-                           .inertia = state_.objective.inertia_diagonal()};
+                           .inertia = state_.objective.inertia_diagonal(),
+                           .stop = settings_.stop};
+        options.may_break = may_break;
         if (use_coarse_) options.positions = x;
         if (asked > 0.0) {
             options.tolerance = pace.tolerance(asked, record.boundary_moved);
             return options;
         }
         options.test = PcgOptions::Test::Energy;
-        options.tolerance = pace.tolerance(kRoughDirection, record.boundary_moved);
+        options.tolerance =
+            pace.tolerance(pace.full_step() ? kRoughAfterFullStep : kRoughDirection,
+                           record.boundary_moved);
         options.fine_tolerance = std::min(kFineDirection, options.tolerance);
         options.refine = [this, small](View<const Vec3d> p) {
             return exec_.value(detail::max_component(exec_, p)) < small;
@@ -138,6 +198,11 @@ class NewtonDirection {
     const StepSettings& settings_;
     NewtonState<Exec>& state_;
     DirectionSolver<Exec> solver_;
+    static constexpr double kTurnThatCounts = 1e-3;  ///< of the direction
+    Retraction<Exec> retraction_;
+    typename Exec::template Buffer<Vec3d> straight_;  ///< the direction without it
+    Later turn_;
+    bool is_turned_ = false;
     bool use_coarse_ = false;  ///< rigid modes in the linear solver
     bool by_warps_ = false;    ///< contacts multiplied as in the supplement
 };

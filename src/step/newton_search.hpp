@@ -46,10 +46,12 @@ class NewtonSearch {
     }
 
     /// Backtracks until the energy does not rise (or boundary motion makes that moot),
-    /// then takes the step. False if no step was found; x then stays.
+    /// then takes the step. False if no step was found in `most_halvings` trials; x then
+    /// stays.
     bool search(View<Vec3d> x,
                 bool converged,
                 double slope,
+                int most_halvings,
                 IterationRecord& record,
                 StepReport& report) {
         const PhaseTimer timer(report.t_search);
@@ -60,7 +62,7 @@ class NewtonSearch {
                           .may_rise = record.boundary_moved};
         const View<Vec3d> x_trial = state_.x_trial.view();
         double alpha = record.step_bound;
-        for (; search.halvings < kMaxHalvings; ++search.halvings, alpha *= 0.5) {
+        for (; search.halvings < most_halvings; ++search.halvings, alpha *= 0.5) {
             detail::trial_point(exec_,
                                 View<const Vec3d>(x),
                                 View<const Vec3d>(state_.p.view()),
@@ -72,6 +74,9 @@ class NewtonSearch {
                 exec_, x_trial, state_.pairs, state_.law.current());
             if (!search.accepts(energy, alpha)) continue;
             exec_.copy(View<const Vec3d>(x_trial), x);
+            if (settings_.has_friction)
+                state_.objective.advance_friction(
+                    exec_, x, settings_.contact.friction_hessian);
             state_.energy = energy;
             record.energy_after = energy;
             record.step = alpha;

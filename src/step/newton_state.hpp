@@ -24,11 +24,11 @@ struct NewtonState {
     }
 
     /// Gradient, operator and, where it is not known yet, the energy.
-    void assemble(Exec& exec, View<const Vec3d> x, StepReport& report) {
+    void assemble(Exec& exec, View<const Vec3d> x, bool project, StepReport& report) {
         const PhaseTimer timer(report.t_assemble);
         EnergyParts parts;
         if (!energy_known) parts = objective.energy_later(exec, x, pairs, law.current());
-        objective.assemble(exec, x, pairs, law.current());
+        objective.assemble(exec, x, pairs, law.current(), project);
         if (!energy_known) energy = objective.total(exec, parts);
         energy_known = true;
         const AssemblySeconds seconds = objective.take_seconds();
@@ -42,6 +42,7 @@ struct NewtonState {
     PairSet<Exec> pairs;  ///< active at the last position that was looked at
     AdaptiveLaw law;
     View<const std::uint8_t> fixed{};  ///< which vertices are prescribed
+    View<const std::uint8_t> axes{};   ///< and which single axes (single_axes.hpp)
     typename Exec::template Buffer<Vec3d> p, x_trial;
     double energy = 0.0;  ///< of the iterate
     bool energy_known = false;

@@ -50,15 +50,12 @@ double sound_travel(const Model& model, double dt) {
     return largest;
 }
 
-bool wants_coarse_space(const Model& model, double dt, bool on_device) {
-    return model.num_vertices >= kCoarseVertices
-        && sound_travel(model, dt)
-               > (on_device ? kDeviceCoarseSoundTravel : kCoarseSoundTravel);
-}
-
-int aggregate_size_for(int num_vertices, LinearSolver linear) {
-    const int size = aggregate_size(num_vertices);
-    return linear == LinearSolver::IncompleteCholesky ? size / 2 : size;
+int piece_size(const Model& model, double dt, LinearSolver linear, bool on_device) {
+    if (on_device) return kDeviceAggregate;
+    const int small = aggregate_size(model.num_vertices);
+    if (sound_travel(model, dt) <= kSmallPieceSoundTravel)
+        return std::max(small, kLargePiece);
+    return linear == LinearSolver::IncompleteCholesky ? small / 2 : small;
 }
 
 std::string describe_linear_solver(const Model& model,
@@ -68,20 +65,14 @@ std::string describe_linear_solver(const Model& model,
     if (asked == LinearSolver::Cholmod) return "CHOLMOD, as asked for";
     if (asked == LinearSolver::BlockJacobi)
         return "conjugate gradients, block Jacobi, as asked for";
-    const std::string reach = fmt::format(
-        "stiffness reaches {:.2g} elements far in a step", sound_travel(model, dt));
     const bool factor = asked == LinearSolver::IncompleteCholesky && !on_device;
     const char* local = on_device ? "block Jacobi" : factor ? "IC(0)" : "Gauss-Seidel";
-    if (wants_coarse_space(model, dt, on_device))
-        return fmt::format(
-            "conjugate gradients, {} + rigid motions of about {} vertices each ({})",
-            local,
-            on_device ? kDeviceAggregate : aggregate_size_for(model.num_vertices, asked),
-            reach);
-    return fmt::format("conjugate gradients, {} ({}{})",
-                       local,
-                       model.num_vertices < kCoarseVertices ? "small scene; " : "",
-                       reach);
+    return fmt::format(
+        "conjugate gradients, {} + rigid motions of up to about {} vertices each "
+        "(stiffness reaches {:.2g} elements far in a step)",
+        local,
+        piece_size(model, dt, asked, on_device),
+        sound_travel(model, dt));
 }
 
 }  // namespace noli

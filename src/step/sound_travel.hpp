@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// How far stiffness reaches within a time step: what decides whether sweeps over the
-/// vertices are enough or the linear solver needs a coarse space.
+/// How far stiffness reaches within a time step: what decides how large the rigid pieces
+/// of the linear solver's coarse space are.
+///
+/// There is always a coarse space: with the rigid motions of every connected piece in it,
+/// what conjugate gradients leave of the residual has no net force and no net torque on
+/// any free piece, whenever they stop. Estimates of the error made of the iteration's own
+/// coefficients cannot see a rigid motion of a stiff body before it has been found.
 
 #include "model/model.hpp"
 
@@ -9,24 +14,19 @@
 
 namespace noli {
 
-/// Above this sound travel the coarse space saves more than it costs. Measured: sweeps
-/// alone are faster at 1.5 to 9.2, the coarse space is at 20 and above.
-inline constexpr double kCoarseSoundTravel = 14.0;
-/// The same on a device, where block Jacobi stands in for sweeps and needs two to three
-/// times their iterations: on real systems rigid motions take off 7 % of them at 1.5, and
-/// more than half at 7.8 (tests/unit/linear/real_systems_test.cpp).
-inline constexpr double kDeviceCoarseSoundTravel = 3.0;
-inline constexpr int kCoarseVertices = 256;  ///< fewer are not worth it
+/// Above this sound travel small pieces save more iterations than they cost. Measured:
+/// sweeps alone are faster at 1.5 to 9.2, small pieces are at 20 and above.
+inline constexpr double kSmallPieceSoundTravel = 14.0;
+/// Vertices per piece below it: whole bodies, and large ones in few pieces, so that all
+/// threads have some.
+inline constexpr int kLargePiece = 1024;
 
 /// Largest dt sqrt(E / rho) / L over the elastic bodies, L the largest extent of the
 /// body. E is the Young modulus of its stiffest tetrahedron, rho its mean density.
 double sound_travel(const Model& model, double dt);
 
-/// Whether the linear solver uses rigid motions of aggregates as a coarse space.
-bool wants_coarse_space(const Model& model, double dt, bool on_device = false);
-
-/// Vertices per aggregate of the coarse space on the CPU. IC(0) pays for more of them.
-int aggregate_size_for(int num_vertices, LinearSolver linear);
+/// Vertices per rigid piece of the coarse space, about.
+int piece_size(const Model& model, double dt, LinearSolver linear, bool on_device);
 
 /// The linear solver of a scene in words, and why it is that one.
 std::string describe_linear_solver(const Model& model,

@@ -5,6 +5,7 @@
 #include "exec/sharing.hpp"
 #include "model/boundary.hpp"
 #include "step/boundary_upload.hpp"
+#include "step/first_guess.hpp"
 #include "step/integrator.hpp"
 #include "step/newton.hpp"
 
@@ -16,6 +17,8 @@ inline constexpr double kYieldShare =
     0.25;  ///< of its motion that a blocked prescribed vertex may lack
 inline constexpr int kMaxFrictionUpdates =
     100;  ///< where friction_iterations = until convergence
+inline constexpr int kFrictionUpdatesAsNeeded =
+    4;  ///< at most, where friction_iterations = as needed
 
 /// Up to here a step begins on one thread: with so few vertices more are seldom faster.
 inline constexpr int kFewVertices = 120;
@@ -47,6 +50,12 @@ struct StepState {
     std::vector<std::uint8_t> ended;  ///< per boundary condition
 };
 
+/// What the last step left unbalanced, on the host, per vertex.
+struct Residual {
+    std::vector<Vec3d> force;        ///< minus the potential's gradient over dt^2, N
+    std::vector<std::uint8_t> held;  ///< 1 = prescribed, on one axis at least
+};
+
 template <class Exec>
 class Stepper {
   public:
@@ -60,6 +69,7 @@ class Stepper {
           settings_(settings),
           script_(model, gravity),
           newton_(exec, model, pattern, settings_),
+          touching_(exec, model),
           sharing_(model.num_vertices <= kFewVertices, kLongNewton) {
         const std::size_t n = static_cast<std::size_t>(model.num_vertices);
         StepState start;
@@ -71,11 +81,14 @@ class Stepper {
         start.ended = script_.ended;
         x_new_.resize(model.num_vertices);
         x_tilde_.resize(model.num_vertices);
+        weight_.resize(model.num_vertices);
         set_state(start);
     }
 
     /// One step. On failure the state keeps the last iterate and the step does not count.
-    StepReport step() {
+    /// Once `stop` is set the step is cancelled and the state is as it was, bit for bit.
+    StepReport step(StopFlag stop = nullptr) {
+        settings_.stop = stop;
         StepReport report;
         share_if_faster<Exec>(sharing_, [&](int threads) {
             report.threads = threads;
@@ -112,6 +125,18 @@ class Stepper {
         x_is_on_its_way_ = false;
     }
 
+    /// Of the step that ended last; 0 before the first one.
+    Residual residual() {
+        Residual out;
+        out.held = boundary_.prescribed;
+        out.held.resize(static_cast<std::size_t>(model_.num_vertices), 1);
+        for (std::size_t v = 0; v < boundary_.axes.size(); ++v)
+            if (boundary_.axes[v] != 0) out.held[v] = 1;
+        newton_.residual_at(motion_.x.view(), x_tilde_.view());
+        exec_.download(View<const Vec3d>(x_tilde_.view()), out.force);
+        return out;
+    }
+
     Newton<Exec>& newton() { return newton_; }
     /// At the end of the last step. Their copy to the host started there.
     [[nodiscard]] const std::vector<Vec3d>& positions() const {
@@ -131,12 +156,18 @@ class Stepper {
     void take_step(StepReport& report) {
         report.step = steps_ + 1;
         report.time = (steps_ + 1) * settings_.dt;
+        const double kappa = newton_.law().barrier.kappa;
+        const std::vector<std::uint8_t> ended = script_.ended;
         begin(report);
         report.outcome = solve(report);
+        if (report.outcome == Outcome::Cancelled) {
+            put_back(kappa, ended);
+            return;
+        }
         if (newton_.yielded()) judge_yield(report);
         if (report.outcome == Outcome::Converged) {
             detail::advance(exec_,
-                            choice(),
+                            integrators(),
                             on_device_.fixed(),
                             x_new_.view(),
                             motion_.x.view(),
@@ -144,12 +175,39 @@ class Stepper {
                             motion_.a.view(),
                             motion_.x_prev.view(),
                             motion_.v_prev.view());
+            if (settings_.solver.integrator == Integrator::Newmark && some_touch_)
+                set_acceleration(Integrator::Newmark);
+            if (on_device_.axes().size > 0) advance_axes();
             ++steps_;
         } else {
             exec_.copy(View<const Vec3d>(x_new_.view()), motion_.x.view());
         }
         exec_.start_download(View<const Vec3d>(motion_.x.view()), x_arrival_);
         x_is_on_its_way_ = true;
+    }
+
+    /// Undoes a step that does not count; positions and velocities have not changed yet.
+    void put_back(double kappa, const std::vector<std::uint8_t>& ended) {
+        newton_.set_kappa(kappa);
+        script_.ended = ended;
+        if (starts_newmark())
+            exec_.copy(View<const Vec3d>(a_before_.view()), motion_.a.view());
+        newton_.find_pairs_at(motion_.x.view());
+    }
+
+    /// Newmark needs an acceleration to start with.
+    [[nodiscard]] bool starts_newmark() const {
+        return settings_.solver.integrator == Integrator::Newmark && steps_ == 0;
+    }
+
+    void advance_axes() {
+        detail::advance_axes(exec_,
+                             settings_.dt,
+                             on_device_.axes(),
+                             motion_.x_prev.view(),
+                             motion_.x.view(),
+                             motion_.v.view(),
+                             motion_.a.view());
     }
 
     /// BDF2 needs two old states: its first step is an Euler step.
@@ -162,51 +220,124 @@ class Stepper {
                 settings_.solver.newmark_gamma};
     }
 
+    [[nodiscard]] IntegratorOfVertex integrators() const {
+        return {choice(), touching_.bodies(), newton_.objective().device().body.view()};
+    }
+
     void begin(StepReport& report) {
         script_.evaluate(
             steps_ * settings_.dt, settings_.dt, steps_, positions(), boundary_);
         on_device_.update(exec_, boundary_);
-        if (settings_.solver.integrator == Integrator::Newmark && steps_ == 0)
-            start_acceleration();
+        touching_.begin_step(exec_);
+        some_touch_ = false;
+        if (starts_newmark()) start_acceleration();
+        newton_.find_first_pairs(motion_.x.view(), report);
+        find_touching();
+        predict();
+        const double dt = settings_.dt;
+        const StepScales scales{.h_sq = dt * dt,
+                                .mass_damping = dt * settings_.damping.mass,
+                                .stiffness_damping = settings_.damping.stiffness / dt,
+                                .friction_eps = settings_.epsv * dt};
+        exec_.copy(View<const Vec3d>(motion_.x.view()), x_new_.view());
+        newton_.set_axes(on_device_.axes());
+        newton_.begin_step(scales,
+                           on_device_.fixed(),
+                           motion_.x.view(),
+                           x_tilde_.view(),
+                           weight_.view());
+    }
 
-        const IntegratorChoice how = choice();
+    void predict() {
         detail::predict(exec_,
-                        how,
+                        integrators(),
                         motion_.x.view(),
                         motion_.v.view(),
                         motion_.a.view(),
                         motion_.x_prev.view(),
                         motion_.v_prev.view(),
                         on_device_.acceleration(),
-                        x_tilde_.view());
-        const StepScales scales{
-            .h_sq = how.h_sq(),
-            .mass_damping = how.h_sq() * settings_.damping.mass / settings_.dt,
-            .stiffness_damping = settings_.damping.stiffness / settings_.dt,
-            .friction_eps = settings_.epsv * settings_.dt};
-        exec_.copy(View<const Vec3d>(motion_.x.view()), x_new_.view());
-        newton_.begin_step(
-            scales, on_device_.fixed(), motion_.x.view(), x_tilde_.view(), report);
+                        x_tilde_.view(),
+                        weight_.view());
+        if (on_device_.axes().size > 0)
+            detail::copy_axes(
+                exec_,
+                on_device_.axes(),
+                BoundaryPath(on_device_.path(), static_cast<int>(boundary_.path.size()))
+                    .end(),
+                x_tilde_.view());
     }
 
-    /// Minimises with lagged friction, as often as asked for or until nothing changes any
-    /// more.
+    /// True if elastic bodies have come into contact since this was asked last in the
+    /// step, and that matters to the integrator.
+    bool find_touching() {
+        if (choice().kind == Integrator::ImplicitEuler) return false;
+        const bool more = newton_.add_touching(touching_);
+        some_touch_ = some_touch_ || more;
+        return more;
+    }
+
+    /// Minimises with lagged friction, as often as asked for, until nothing changes any
+    /// more, or while the forces of the last lag differ from those at its end.
     Outcome solve(StepReport& report) {
         const double tolerance = model_.tolerance(settings_.solver, steps_);
-        const int asked = settings_.contact.friction_iterations;
-        const int limit =
-            settings_.has_friction ? (asked > 0 ? asked : kMaxFrictionUpdates) : 1;
+        const int limit = most_friction_updates();
         BoundaryPath path(on_device_.path(), static_cast<int>(boundary_.path.size()));
+        if (settings_.solver.start == NewtonStart::Extrapolated && path.is_one_leg()
+            && on_device_.axes().size == 0)
+            go_ahead(path, report);
         for (int lag = 0;; ++lag) {
             const int before = report.newton;
             const Outcome outcome =
                 newton_.minimize(path, tolerance, x_new_.view(), report);
             report.friction_updates = settings_.has_friction ? lag + 1 : 0;
             if (outcome != Outcome::Converged) return outcome;
-            const bool settled = asked == 0 && lag > 0 && report.newton - before == 1;
-            if (settled || lag + 1 >= limit) return outcome;
-            newton_.lag_friction_at(x_new_.view());
+            if (!newton_.yielded() && find_touching()) {
+                predict();
+                newton_.objective().set_prediction(
+                    exec_, View<const Vec3d>(x_tilde_.view()), weight_.view());
+                newton_.lag_friction_at(x_new_.view());
+                --lag;
+                continue;
+            }
+            if (!wants_another_lag(lag, limit, report.newton - before, report))
+                return outcome;
         }
+    }
+
+    /// Starts Newton's method where the last two steps lead, if that is any better.
+    void go_ahead(const BoundaryPath& path, StepReport& report) {
+        detail::extrapolate(exec_,
+                            settings_.dt,
+                            on_device_.fixed(),
+                            path.end(),
+                            motion_.x.view(),
+                            motion_.v.view(),
+                            motion_.v_prev.view(),
+                            x_tilde_.view());
+        newton_.go_ahead(View<const Vec3d>(x_tilde_.view()),
+                         boundary_.num_prescribed > 0,
+                         x_new_.view(),
+                         report);
+    }
+
+    [[nodiscard]] int most_friction_updates() const {
+        if (!settings_.has_friction) return 1;
+        const int asked = settings_.contact.friction_iterations;
+        if (asked == kFrictionAsNeeded) return kFrictionUpdatesAsNeeded;
+        return asked > 0 ? asked : kMaxFrictionUpdates;
+    }
+
+    /// After update number `lag` (0 first) and `iterations` of Newton with it: freezes
+    /// friction anew and returns true where the minimisation is to be repeated.
+    bool wants_another_lag(int lag, int limit, int iterations, StepReport& report) {
+        const int asked = settings_.contact.friction_iterations;
+        if (!settings_.has_friction) return false;
+        if (asked == 0 && lag > 0 && iterations == 1) return false;
+        if (asked >= 0 && lag + 1 >= limit) return false;
+        report.lag_change = newton_.lag_friction_again_at(x_new_.view());
+        if (lag + 1 >= limit) return false;
+        return asked >= 0 || report.lag_change > settings_.contact.friction_tolerance;
     }
 
     /// How far prescribed vertices stayed behind; too far is a blocked boundary.
@@ -229,15 +360,27 @@ class Stepper {
             + " m that they may yield to contact; the motion runs into something";
     }
 
-    /// Newmark's first acceleration: a = a_ext - M^-1 grad Psi(x), contact left out.
+    /// Newmark's first acceleration; that of before is kept for a step that is cancelled.
     void start_acceleration() {
+        a_before_.resize(model_.num_vertices);
+        exec_.copy(View<const Vec3d>(motion_.a.view()), a_before_.view());
+        set_acceleration(Integrator::ImplicitEuler);  // of all: nothing touches yet
+    }
+
+    /// Newmark's acceleration a = a_ext - M^-1 grad Psi(x), contact left out, of the
+    /// vertices whose integrator is not `other_than`.
+    void set_acceleration(Integrator other_than) {
         newton_.objective().elastic_gradient_at(exec_, motion_.x.view(), x_tilde_.view());
         detail::acceleration_from_forces(exec_,
+                                         integrators(),
+                                         other_than,
                                          newton_.objective().device().mass.view(),
                                          on_device_.fixed(),
                                          x_tilde_.view(),
                                          on_device_.acceleration(),
                                          motion_.a.view());
+        if (on_device_.axes().size > 0)
+            detail::zero_axes(exec_, on_device_.axes(), motion_.a.view());
     }
 
     Exec& exec_;
@@ -246,10 +389,14 @@ class Stepper {
     BoundaryScript script_;
     StepBoundary boundary_;
     Newton<Exec> newton_;
+    Touching<Exec> touching_;
+    bool some_touch_ = false;  ///< of the elastic bodies, in this step
     SharingOfSteps sharing_;
     MotionState<Exec> motion_;
     BoundaryUpload<Exec> on_device_;
     typename Exec::template Buffer<Vec3d> x_new_, x_tilde_;
+    typename Exec::template Buffer<double> weight_;   ///< of inertia, see predict
+    typename Exec::template Buffer<Vec3d> a_before_;  ///< of a first Newmark step
     mutable std::vector<Vec3d> x_host_;
     mutable typename Exec::template Arrival<Vec3d> x_arrival_;
     mutable bool x_is_on_its_way_ = false;

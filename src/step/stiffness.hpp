@@ -5,6 +5,7 @@
 #include "energy/barrier.hpp"
 #include "objective/objective.hpp"
 #include "step/settings.hpp"
+#include "step/single_axes.hpp"
 
 #include <algorithm>
 
@@ -15,23 +16,30 @@ struct StiffnessRange {
     double low, high;
 };
 
-/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2, kappa_max = 100 kappa_min; m
-/// mean nodal mass, l scene diagonal. The curvature is that of r = 1 for every exponent:
-/// with r = 2 the rule would give a kappa 48 times softer, which costs Newton and PCG
-/// iterations (docs/decisions/004-stiffness-rule.md). Source: MATH 8.2.
+/// kappa_min = 1e11 m / (4 D0 b''(D0)) at D0 = 1e-16 l^2, or where a small dhat puts that
+/// beyond a hundredth of Dhat, there; m mean nodal mass, l scene diagonal. kappa_max is
+/// 100 kappa_min, or more where material is so stiff that a contact has to carry its
+/// largest vertex force, dt^2 (lambda + 2 mu) V^(2/3), at a gap of kWantedGap dhat. The
+/// curvature is that of r = 1 for every exponent: with r = 2 the rule would give a kappa
+/// 48 times softer, which costs Newton and PCG iterations
+/// (docs/decisions/004-stiffness-rule.md). Source: MATH 8.2.
 inline StiffnessRange stiffness_range(const StepSettings& settings) {
     const double l_sq = settings.diagonal * settings.diagonal;
-    const double d0_sq = 1e-16 * l_sq;
     const double mass = settings.mean_mass > 0.0 ? settings.mean_mass : 1.0;
     const double dhat_sq = settings.dhat * settings.dhat;
+    const double d0_sq = std::min(1e-16 * l_sq, 0.01 * dhat_sq);
     const double curvature = barrier(1, d0_sq, dhat_sq).d2;
     const double low =
         settings.contact.kappa_min_multiplier * mass / (4.0 * d0_sq * curvature);
-    return {low, 100.0 * low};
+    const double slope = -barrier_slope(
+        settings.contact.barrier_exponent, kWantedGap * settings.dhat, settings.dhat);
+    const double carried = settings.dt * settings.dt * settings.vertex_force / slope;
+    return {low, std::max(100.0 * low, carried)};
 }
 
 /// The stiffness that balances the barrier's gradient against all others at x, or `kappa`
-/// if the balance asks for none; clamped. Source: MATH 8.2.
+/// if the balance asks for none; clamped. Coordinates that are prescribed have no say.
+/// Source: MATH 8.2.
 template <class Exec>
 double balanced_stiffness(Exec& exec,
                           Objective<Exec>& objective,
@@ -41,10 +49,12 @@ double balanced_stiffness(Exec& exec,
                           const ContactLaw& law,
                           StiffnessRange range,
                           View<Vec3d> scratch_other,
-                          View<Vec3d> scratch_barrier) {
+                          View<Vec3d> scratch_barrier,
+                          View<const std::uint8_t> axes = {}) {
     double kappa = law.barrier.kappa > 0.0 ? law.barrier.kappa : range.low;
     if (pairs.size() > 0) {
         objective.split_gradients(exec, x, pairs, law, scratch_other, scratch_barrier);
+        if (axes.size > 0) detail::zero_axes(exec, axes, scratch_barrier);
         const View<const Vec3d> other = scratch_other;
         const View<const Vec3d> barrier = scratch_barrier;
         const Later along =

@@ -45,17 +45,36 @@ std::string describe_bound(const Model& model, const StepBound& bound) {
                                v[3],
                                body_of(model, v[0]),
                                body_of(model, v[2]));
-        case StepBound::Limit::Plane:
-            return fmt::format("vertex {} of \"{}\" at half-space \"{}\"",
+        case StepBound::Limit::Wall:
+            return fmt::format("vertex {} of \"{}\" at {}",
                                v[0],
                                body_of(model, v[0]),
-                               model.planes[static_cast<std::size_t>(v[1])].name);
+                               describe_wall(model, v[1]));
         case StepBound::Limit::NotFinite:
             return "a position or direction that is not finite";
         case StepBound::Limit::None:
             break;
     }
     return "";
+}
+
+std::string describe_undecided(const Model& model, const Int4& vertices) {
+    std::string names;
+    int last = -1;
+    for (const int v : vertices.v) {
+        if (v < 0) continue;
+        names += fmt::format(" {}", v);
+        last = v;
+    }
+    const std::string bodies = last < 0 ? ""
+                                        : fmt::format(" of \"{}\" and \"{}\"",
+                                                      body_of(model, vertices[0]),
+                                                      body_of(model, last));
+    return fmt::format(
+        "all has converged but which pairs stick (one of them, vertices{}{}); the step "
+        "counts, with slips that may be off by epsv dt",
+        names,
+        bodies);
 }
 
 std::string describe_not_finite(double direction, double energy, int iteration) {

@@ -17,6 +17,10 @@ std::string describe_tet(const Model& model, int tet);
 /// "pair EE 12 13 | 40 41 of 'a' and 'b'"
 std::string describe_bound(const Model& model, const StepBound& bound);
 
+/// Of a step that ended without knowing which of its pairs stick: the vertices of one,
+/// unused ones -1.
+std::string describe_undecided(const Model& model, const Int4& vertices);
+
 std::string describe_not_finite(double direction, double energy, int iteration);
 std::string describe_failed_search(const IterationRecord& record);
 

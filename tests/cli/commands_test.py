@@ -90,6 +90,28 @@ class Check(ProgramTest):
         self.expect(noli("run", scene, "-o", self.folder / "run"), 2, "intersections before the first step")
         self.assertFalse((self.folder / "run").exists())
 
+    def test_refuses_bodies_that_touch_as_run_does(self):
+        bodies = [{"name": "a", "mesh": {"generator": "box"}},
+                  {"name": "b", "mesh": {"generator": "box"}, "transform": {"translate": [0.1, 1 + 1e-15, 0]}}]
+        scene = self.write_scene("touching.json", bodies=bodies, half_spaces=[])
+        said = ('error: "a" and "b": touch: ', "e-15 m apart", "leave a gap of more than ")
+        self.expect(noli("check", scene, cwd=self.folder), 2, "not ready to run", *said)
+        self.expect(noli("run", scene, "-o", self.folder / "run"), 2, *said)
+        self.assertFalse((self.folder / "run").exists())
+
+    def test_names_vertices_beyond_half_spaces_and_containers(self):
+        bodies = [{"name": "sunk", "mesh": {"generator": "box"}}]
+        drum = {"name": "drum", "shape": "sphere", "radius": 0.8}
+        scene = self.write_scene("sunk.json", bodies=bodies, half_spaces=[{"name": "floor"}], containers=[drum])
+        parts = ('vertices of "sunk" are behind half-space "floor": the deepest is vertex ', ", 0.5 m deep; move the body by ")
+        result = self.expect(noli("check", scene, cwd=self.folder), 2, "not ready to run", *parts,
+                             'vertices of "sunk" are outside of container "drum"')
+        self.assertNotIn("-1 -1", result.stdout + result.stderr)
+        self.assertNotIn("more intersections", result.stderr)
+        self.assertTrue(list(self.folder.glob("*.ply")), result.stdout)
+        self.expect(noli("run", scene, "-o", self.folder / "run"), 2, *parts)
+        self.assertFalse((self.folder / "run").exists())
+
 
 class Info(ProgramTest):
     def test_describes_a_scene_with_contact_settings_in_metres(self):
@@ -143,6 +165,23 @@ class Convert(ProgramTest):
             self.expect(noli("run", scene, "-o", run, "--steps", 2, "--frames-every", 0, "--quiet"), 0)
             states.append(json.loads((run / "run.json").read_text())["state_hash"])
         self.assertEqual(states[0], states[1])
+
+
+class VerticesWithoutElement(ProgramTest):
+    def test_all_commands_say_the_same_about_them(self):
+        mesh = self.folder / "stray.mesh"
+        write_box_mesh(mesh)
+        mesh.write_text(mesh.read_text().replace("Vertices\n5\n", "Vertices\n6\n")
+                        .replace("1 1 1 0\n", "1 1 1 0\n70 80 90 0\n"))
+        scene = self.folder / "stray.json"
+        scene.write_text(json.dumps({"format_version": 1, "duration": 0.01, "dt": 0.01,
+                                     "bodies": [{"name": "body", "mesh": "stray.mesh"}]}))
+        said = "has 1 vertices that no tetrahedron uses (first: 5)"
+        box = "0 0 0 to 1 1 1 m"
+        self.expect(noli("info", mesh), 0, said, box)
+        self.expect(noli("info", scene), 0, said, box)
+        self.expect(noli("check", scene), 0, said)
+        self.expect(noli("run", scene, "-o", self.folder / "out"), 0, said)
 
 
 if __name__ == "__main__":

@@ -81,6 +81,43 @@ class Resume(ProgramTest):
         self.expect(noli("run", run, "--resume", "--steps", 40, "--iteration-log", "--threads", 2), 0)
         self.assert_same_physics(run, reference)
 
+    def test_after_ctrl_c_in_a_step_that_never_ends(self):
+        """Step 4 cannot reach its tolerance: only giving it up ends the run."""
+        scene = self.write_scene("endless.json", solver={"tolerance_per_step": [1e-2, 1e-2, 1e-2, 1e-300],
+                                                         "max_newton": 1000000000})
+        run = self.folder / "run"
+        process = start("run", scene, "-o", run)
+        wait_for_rows(process, run, 3)
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        try:
+            _, stderr = process.communicate(timeout=120)
+        finally:
+            process.kill()
+        self.assertEqual(process.returncode, 128 + signal.SIGINT, stderr)
+        self.assertIn(f"noli run {run} --resume", stderr)
+        self.assertIn("step 4 given up on request after ", (run / "log.txt").read_text())
+        record = record_of(run)
+        self.assertEqual((record["status"], record["outcome"], record["steps_done"]), ("interrupted", "converged", 3))
+        self.assertFalse(list(run.glob("repro*")))
+        self.expect(noli("run", scene, "-o", self.folder / "whole", "--steps", 3), 0)
+        self.expect(noli("run", run, "--resume", "--steps", 3), 0)
+        self.assertEqual(record_of(run)["state_hash"], record_of(self.folder / "whole")["state_hash"])
+
+    def test_after_steps_given_up_gives_the_same_bits(self):
+        long_steps = ("--steps", 16, "--tolerance", 1e-9, "--iteration-log")
+        whole, run = self.folder / "whole", self.folder / "run"
+        self.expect(noli("run", self.scene, "-o", whole, *long_steps), 0)
+        for rows in (4, 7, 10, 13):
+            process = start("run", self.scene, "-o", run, *long_steps, "--resume")
+            wait_for_rows(process, run, rows)
+            time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=120)
+        self.expect(noli("run", self.scene, "-o", run, *long_steps, "--resume"), 0)
+        self.assertIn("given up on request after", (run / "log.txt").read_text())
+        self.assert_same_physics(run, whole)
+
     def test_skips_damaged_checkpoints_and_says_so(self):
         run = self.folder / "run"
         self.run_until(run, 14, signal.SIGTERM)

@@ -45,8 +45,10 @@ class RunDirectory(ProgramTest):
         self.assertEqual([row["threads"] for row in rows_of(run)], ["1", "1", "1"])
         self.assertNotIn("steps on one", self.expect(noli("info", run), 0).stdout)
         table = run / "stats.csv"
-        text = table.read_text().removesuffix(",1\n") + ",2\n"  # as on two threads
-        table.write_text(text)
+        *rows, last = table.read_text().splitlines()
+        cells = last.split(",")
+        cells[rows[0].split(",").index("threads")] = "2"  # as on two threads
+        table.write_text("\n".join([*rows, ",".join(cells)]) + "\n")
         self.expect(noli("info", run), 0, "2; 2 of 3 steps on one")
 
     def test_frames_hold_the_motion(self):
@@ -126,6 +128,18 @@ class Said(ProgramTest):
     def test_is_nothing_when_quiet(self):
         result = self.expect(noli("run", self.scene, "-o", self.folder / "run", "--steps", 2, "--quiet"), 0)
         self.assertEqual(result.stdout, "")
+
+    def test_before_the_first_step_are_a_few_warnings(self):
+        bodies = [{"name": f"b{k}", "mesh": {"generator": "box"}, "transform": {"translate": [2 * k, 0, 0]},
+                   "material": {"young": 2, "density": density}} for k, density in enumerate((1000, 1000, 1.5))]
+        scene = self.write_scene("units.json", bodies=bodies)
+        result = self.expect(noli("run", scene, "-o", self.folder / "run", "--steps", 0, "--quiet"), 0)
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 4, result.stderr)
+        self.assertTrue(lines[0].startswith("warning: /bodies/0/material/young: "), result.stderr)
+        self.assertIn("squashed by its own weight", lines[0])
+        self.assertEqual(lines[3], f"warning: scene: 1 more warnings: noli check {scene}")
+        self.assertIn("lighter than foam", (self.folder / "run/log.txt").read_text())
 
     def on_terminal(self, name, **environment):
         """What the program writes to a terminal."""

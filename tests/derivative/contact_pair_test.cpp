@@ -4,8 +4,8 @@
 #include "energy/contact_pair.hpp"
 
 #include "derivative/contact_oracle.hpp"
-#include "energy/half_space.hpp"
 #include "energy/numeric_hessian.hpp"
+#include "energy/wall.hpp"
 
 #include <gtest/gtest.h>
 
@@ -209,28 +209,63 @@ TEST(HalfSpacePair, DerivativesMatchCentralDifferences) {
     PairSampler sampler(9);
     for (double s : {0.999, 0.9, 0.5, 0.1, 0.01}) {
         for (int r : {1, 2}) {
-            const BarrierPlane plane{normalized(sampler.normal()),
-                                     sampler.uniform(-1.0, 1.0)};
+            const Wall plane{normalized(sampler.normal()), sampler.uniform(-1.0, 1.0)};
             Vec3d x = sampler.normal();
-            x += (s * kDhat - half_space_distance(x, plane)) * plane.normal;
+            x += (s * kDhat - wall_distance(plane, x)) * plane.normal;
             const Stencil<1> at{{x}};
             const double h = 2e-3 * kDhat * std::fmin(s, 1.0 - s);
             const BarrierParams params = params_of(r);
             const auto energy = [&](const Stencil<1>& y) {
-                return Eigen::VectorXd::Constant(
-                    1, half_space_energy(y.x[0], plane, params));
+                return Eigen::VectorXd::Constant(1, wall_energy(y.x[0], plane, params));
             };
             const auto gradient_at = [&](const Stencil<1>& y) -> Eigen::VectorXd {
-                return flat(half_space_gradient(y.x[0], plane, params).g);
+                return flat(wall_gradient(y.x[0], plane, params).g);
             };
             EXPECT_LE(relative_error(gradient_at(at),
                                      central_differences(energy, at, h).transpose()),
                       1e-6);
-            EXPECT_LE(relative_error(dense(half_space_hessian(x, plane, params)),
+            EXPECT_LE(relative_error(dense(wall_hessian(x, plane, params)),
                                      central_differences(gradient_at, at, h)),
                       1e-6);
         }
     }
+}
+
+TEST(CurvedWall, DerivativesMatchCentralDifferences) {
+    PairSampler sampler(10);
+    for (const WallShape shape : {WallShape::Sphere, WallShape::Cylinder})
+        for (double radius : {1.5 * kDhat, 20.0 * kDhat})
+            for (double s : {0.999, 0.9, 0.5, 0.1, 0.01})
+                for (int r : {1, 2}) {
+                    const Wall wall{normalized(sampler.normal()),
+                                    0.0,
+                                    shape,
+                                    0.1 * sampler.normal(),
+                                    radius};
+                    const Vec3d out = normalized(across_axis(wall, sampler.normal()));
+                    const Vec3d x =
+                        wall.center + (radius - s * kDhat) * out
+                        + (shape == WallShape::Cylinder ? 0.1 : 0.0) * wall.normal;
+                    const Stencil<1> at{{x}};
+                    const double h = 2e-3 * kDhat * std::fmin(s, 1.0 - s);
+                    const BarrierParams params = params_of(r);
+                    const auto energy = [&](const Stencil<1>& y) {
+                        return Eigen::VectorXd::Constant(
+                            1, wall_energy(y.x[0], wall, params));
+                    };
+                    const auto gradient_at = [&](const Stencil<1>& y) -> Eigen::VectorXd {
+                        return flat(wall_gradient(y.x[0], wall, params).g);
+                    };
+                    EXPECT_LE(
+                        relative_error(gradient_at(at),
+                                       central_differences(energy, at, h).transpose()),
+                        1e-6);
+                    const auto modes = wall_hessian(x, wall, params);
+                    EXPECT_EQ(modes.rank, 1 + num_curved_directions(shape));
+                    EXPECT_LE(relative_error(dense(modes),
+                                             central_differences(gradient_at, at, h)),
+                              1e-6);
+                }
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Friction against finite differences, inside, at and beyond the sticking radius.
-#include "energy/friction.hpp"
-
 #include "derivative/contact_oracle.hpp"
+#include "energy/friction_hessian.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,9 +35,13 @@ void for_each_basis(unsigned seed, const F& f) {
         for_each_kind(sampler, 4e-3, 0.1, [&](PairKind kind, auto x) {
             f(sampler, friction_basis(kind, x, kParams));
         });
-        const BarrierPlane plane{normalized(sampler.normal()), 0.3};
-        f(sampler,
-          half_space_friction_basis((0.3 + 4e-3) * plane.normal, plane, kParams));
+        const Wall plane{normalized(sampler.normal()), 0.3};
+        f(sampler, wall_friction_basis((0.3 + 4e-3) * plane.normal, plane, kParams));
+        const Wall pipe{
+            normalized(sampler.normal()), 0.0, WallShape::Cylinder, {0.1, 0, 0}, 0.2};
+        const Vec3d out = normalized(across_axis(pipe, sampler.normal()));
+        const Vec3d inside = pipe.center + (pipe.radius - 4e-3) * out;
+        f(sampler, wall_friction_basis(inside, pipe, kParams));
         const MollifiedCase sub{PairKind::PointEdge, {2, 0, 1, -1}};
         const Stencil<4> x = sampler.near_parallel(PairKind::PointEdge, 0.02, 4e-3);
         FrictionBasis<4> basis = mollified_friction_basis(sub, x, 1e-3, kParams);

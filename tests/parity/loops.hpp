@@ -74,6 +74,7 @@ class LoopRun {
         exec.upload(in.x_start, x_start_);
         exec.upload(in.x, x_);
         exec.upload(in.x_tilde, x_tilde_);
+        exec.upload(std::vector<double>(in.x_tilde.size(), 2.25), weight_);
         exec.upload(in.p, p_);
         exec.upload(in.fixed, fixed_);
         law_ = {.barrier = {.dhat = in.dhat,
@@ -98,6 +99,7 @@ class LoopRun {
         products();
         bounds();
         linear_solves();
+        single_axes();
         return std::move(out_);
     }
 
@@ -128,7 +130,7 @@ class LoopRun {
         keep("pairs PT", View<const Int4>(pairs_.pt.view()), true);
         keep("pairs EE", View<const Int4>(pairs_.ee.view()), true);
         keep("pairs mollified", View<const MollifiedPair>(pairs_.mollified.view()), true);
-        keep("pairs plane", View<const Int2>(pairs_.planes.view()), true);
+        keep("pairs wall", View<const Int2>(pairs_.walls.view()), true);
         keep("smallest gap", {exec_.value(collision_.gap_at(exec_, pairs_, x()))});
         objective_.begin_step(exec_,
                               {.h_sq = in_.h_sq,
@@ -137,6 +139,7 @@ class LoopRun {
                                .friction_eps = in_.friction_eps},
                               x_start_.view(),
                               x_tilde_.view(),
+                              weight_.view(),
                               fixed_.view());
         objective_.lag_friction_at(exec_, pairs_, x_start_.view(), law_);
     }
@@ -229,6 +232,35 @@ class LoopRun {
             }
     }
 
+    /// Last: it changes the operator.
+    void single_axes() {
+        std::vector<std::uint8_t> masks(in_.x.size());
+        for (std::size_t v = 0; v < masks.size(); ++v)
+            masks[v] = in_.fixed[v] != 0 ? 0 : static_cast<std::uint8_t>(v % 7);
+        Buffer<std::uint8_t> axes;
+        exec_.upload(masks, axes);
+        const View<const std::uint8_t> held = axes.view();
+        Buffer<Vec3d> a, b;
+        exec_.upload(in_.x, a);
+        exec_.upload(in_.p, b);
+        detail::remaining_on_axes(exec_, held, x(), p(), a.view());
+        keep("remaining on axes", View<const Vec3d>(a.view()));
+        detail::copy_axes(exec_, held, x(), a.view());
+        detail::advance_axes(exec_, 0.1, held, p(), x(), a.view(), b.view());
+        keep("velocity on axes", View<const Vec3d>(a.view()));
+        keep("acceleration on axes", View<const Vec3d>(b.view()));
+        detail::zero_axes(exec_, held, a.view());
+        keep("free part", View<const Vec3d>(a.view()));
+        keep("largest free component",
+             {exec_.value(detail::max_free_component(
+                 exec_, x(), View<const std::uint8_t>(fixed_.view()), held))});
+        detail::decouple_axes(exec_, held, objective_.matrix(), objective_.terms());
+        keep("decoupled blocks", objective_.matrix().values());
+        detail::set_zero(exec_, a.view());
+        objective_.terms().multiply_add(exec_, p(), a.view());
+        keep("projected contact product", View<const Vec3d>(a.view()));
+    }
+
     Exec& exec_;
     const LoopInput& in_;
     Objective<Exec> objective_;
@@ -237,6 +269,7 @@ class LoopRun {
     ContactLaw law_{};
     Buffer<Vec3d> x_start_, x_, x_tilde_, p_;
     Buffer<std::uint8_t> fixed_;
+    Buffer<double> weight_;
     std::vector<LoopResult> out_;
 };
 

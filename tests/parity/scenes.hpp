@@ -106,13 +106,63 @@ inline Scene squeezed_ball() {
     return scene;
 }
 
-inline constexpr int kNumParityScenes = 5;
+/// A ball against the wall of a drum, at a spherical lid and on the ground.
+inline Scene ball_in_a_drum() {
+    Scene scene;
+    scene.name = "drum";
+    scene.dt = 0.01;
+    Body ball = parity_body("ball", "sphere", 0.501);
+    ball.mesh.parameters = {{"edge_length", {0.2}}};
+    ball.velocity = {1.0, 0.2, 0.3};
+    scene.bodies = {ball};
+    HalfSpace ground;
+    ground.name = "ground";
+    ground.friction = 0.3;
+    scene.half_spaces = {ground};
+    Container drum;
+    drum.name = "drum";
+    drum.shape = Container::Shape::Cylinder;
+    drum.center = {-0.2, 0, 0};
+    drum.radius = 0.703;
+    drum.friction = 0.4;
+    Container lid;
+    lid.name = "lid";
+    lid.radius = 1.003;
+    lid.friction = 0.2;
+    scene.containers = {drum, lid};
+    return scene;
+}
+
+/// A bar on rollers: one end is pulled along x, the other keeps its x, and gravity bends
+/// it onto the ground.
+inline Scene bar_on_rollers() {
+    Scene scene = twisted_bar();
+    scene.name = "rollers";
+    scene.dt = 0.02;
+    scene.gravity = {0, -9.81, 0};
+    scene.solver.integrator = Integrator::Newmark;
+    for (BoundaryCondition& end : scene.bodies[0].boundary) {
+        end.angular_deg = {0, 0, 0};
+        end.linear = {end.selection.box_min[0] > 0.5 ? 0.5 : 0.0, 0, 0};
+        end.axes = 1;
+    }
+    scene.bodies[0].transform.rows[1][3] = 0.102;
+    HalfSpace ground;
+    ground.name = "ground";
+    ground.friction = 0.3;
+    scene.half_spaces = {ground};
+    return scene;
+}
+
+inline constexpr int kNumParityScenes = 6;
 inline std::vector<Scene> parity_scenes() {
     return {pile_of_boxes(),
             tower_of_boxes(),
             turned_tower(),
             twisted_bar(),
-            squeezed_ball()};
+            squeezed_ball(),
+            ball_in_a_drum(),
+            bar_on_rollers()};
 }
 
 }  // namespace noli::test

@@ -157,14 +157,14 @@ TEST(Candidates, DoNotDependOnTheAgeOfTheTrees) {
 
 TEST(Candidates, AreEqualForEveryExecutorAndThreadCount) {
     Shape s = soup(203, 0.25, 9);
-    s.mesh.planes.push_back({{0.0, 1.0, 0.0}, -0.5});
-    s.mesh.planes.push_back({{1.0, 0.0, 0.0}, -0.9});
-    s.mesh.plane_enabled.assign(6, 1);
+    s.mesh.walls.push_back({{0.0, 1.0, 0.0}, -0.5});
+    s.mesh.walls.push_back({{1.0, 0.0, 0.0}, -0.9});
+    s.mesh.wall_enabled.assign(6, 1);
     const std::vector<Vec3d> p = random_motion(s, 0.2, 10);
     SerialExec serial;
     for (const std::vector<Vec3d>& motion : {p, std::vector<Vec3d>{}}) {
         const CandidateLists expected = candidates_of(serial, s, motion, 0.9, 0.02);
-        EXPECT_GT(expected.vertex_plane.size(), 50U);
+        EXPECT_GT(expected.vertex_wall.size(), 50U);
         on_all_executors(
             [&](auto& exec) { return candidates_of(exec, s, motion, 0.9, 0.02); },
             [&](const CandidateLists& found, const char* name) {
@@ -206,18 +206,35 @@ TEST(Candidates, FindPlanesThatAVertexReaches) {
     Shape s;
     s.x = {{0, 1, 0}, {0, 1, 1}, {1, 1, 0}, {0, 0.05, 0}, {0, 5, 0}};
     s.mesh.triangles = {{{0, 1, 2}}};
-    s.mesh.planes = {{{0, 1, 0}, 0.0}, {{0, -1, 0}, -10.0}};
+    s.mesh.walls = {{{0, 1, 0}, 0.0}, {{0, -1, 0}, -10.0}};
     complete(s, {}, {3, 4});
     std::vector<Vec3d> p(5, Vec3d{0, 0, 0});
     CpuExec exec;
-    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_plane, (PairsOfIds{{3, 0}}));
+    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_wall, (PairsOfIds{{3, 0}}));
     p[1] = {0, -1.0, 0};  // reaches plane 0 at the end
     p[4] = {0, 4.95, 0};  // comes within 0.05 of plane 1
-    EXPECT_EQ(candidates_of(exec, s, p, 1.0, 0.1).vertex_plane,
+    EXPECT_EQ(candidates_of(exec, s, p, 1.0, 0.1).vertex_wall,
               (PairsOfIds{{1, 0}, {3, 0}, {4, 1}}));
-    EXPECT_EQ(candidates_of(exec, s, p, 0.5, 0.1).vertex_plane, (PairsOfIds{{3, 0}}));
+    EXPECT_EQ(candidates_of(exec, s, p, 0.5, 0.1).vertex_wall, (PairsOfIds{{3, 0}}));
     s.mesh.kinematic[3] = 1;
-    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_plane, PairsOfIds{});
+    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_wall, PairsOfIds{});
+}
+
+TEST(Candidates, FindCurvedWallsThatAVertexReaches) {
+    Shape s;
+    s.x = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1.95, 0}, {1, 1.2, 0}};
+    s.mesh.triangles = {{{0, 1, 2}}};
+    s.mesh.walls = {{{}, 0.0, WallShape::Sphere, {0, 0, 0}, 2.0},
+                    {{1, 0, 0}, 0.0, WallShape::Cylinder, {0, 0, 0}, 3.0}};
+    complete(s, {}, {3, 4});
+    std::vector<Vec3d> p(5, Vec3d{0, 0, 0});
+    CpuExec exec;
+    EXPECT_EQ(candidates_of(exec, s, {}, 0.0, 0.1).vertex_wall, (PairsOfIds{{3, 0}}));
+    p[1] = {0, 0, 0.95};    // comes within 0.05 of the sphere
+    p[4] = {-1.0, 2.0, 0};  // leaves it, and the cylinder at the end
+    EXPECT_EQ(candidates_of(exec, s, p, 1.0, 0.1).vertex_wall,
+              (PairsOfIds{{1, 0}, {3, 0}, {4, 0}, {4, 1}}));
+    EXPECT_EQ(candidates_of(exec, s, p, 0.2, 0.1).vertex_wall, (PairsOfIds{{3, 0}}));
 }
 
 TEST(Candidates, FindPointsAndSegmentsOfObstacles) {

@@ -16,7 +16,7 @@ template <class Exec>
 CandidateLists lists_of(const Candidates<Exec>& from) {
     return {to_vector(from.vertex_triangle.view()),
             to_vector(from.edge_edge.view()),
-            to_vector(from.vertex_plane.view())};
+            to_vector(from.vertex_wall.view())};
 }
 
 /// A walk as Newton's: far, then ever less, then the next step from where it ended.

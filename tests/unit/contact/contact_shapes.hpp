@@ -55,7 +55,7 @@ inline void complete(Shape& shape,
     m.num_bodies =
         1 + (m.body.empty() ? 0 : *std::max_element(m.body.begin(), m.body.end()));
     m.pair_enabled.assign(std::size_t(m.num_bodies * m.num_bodies), 1);
-    m.plane_enabled.assign(m.planes.size() * std::size_t(m.num_bodies), 1);
+    m.wall_enabled.assign(m.walls.size() * std::size_t(m.num_bodies), 1);
 }
 
 inline Vec3d random_vector(std::mt19937& rng, double size) {
@@ -191,8 +191,8 @@ inline CollisionMeshView host_view(const CollisionMesh& m) {
             v(m.kinematic),
             m.num_bodies,
             v(m.pair_enabled),
-            v(m.planes),
-            v(m.plane_enabled)};
+            v(m.walls),
+            v(m.wall_enabled)};
 }
 
 using PairsOfIds = std::vector<std::pair<int, int>>;
@@ -233,7 +233,7 @@ inline bool is_subset(const PairsOfIds& small, const PairsOfIds& large) {
 struct CandidateLists {
     PairsOfIds vertex_triangle;
     PairsOfIds edge_edge;
-    PairsOfIds vertex_plane;
+    PairsOfIds vertex_wall;
     friend bool operator==(const CandidateLists&, const CandidateLists&) = default;
 };
 
@@ -253,7 +253,7 @@ CandidateLists candidates_of(Exec& exec,
         exec, mesh, broad_phase, {s.view(), view_of(p), alpha}, inflation, out);
     return {to_vector(out.vertex_triangle.view()),
             to_vector(out.edge_edge.view()),
-            to_vector(out.vertex_plane.view())};
+            to_vector(out.vertex_wall.view())};
 }
 
 /// Calls check(result, name) for the result of run(exec) on every executor and 1 to 4

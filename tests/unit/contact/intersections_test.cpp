@@ -134,15 +134,35 @@ TEST(Intersections, ObstaclePointsInTrianglesAreFound) {
 TEST(Intersections, VerticesOnOrBehindHalfSpacesAreFound) {
     Shape s;
     s.x = {{0, 0, 0}, {0, 1, 0}, {0, -2, 0}, {0, -3, 0}};
-    s.mesh.planes = {{{0, 1, 0}, 0.0}};
+    s.mesh.walls = {{{0, 1, 0}, 0.0}};
     complete(s, {}, {0, 1, 2, 3});
     s.mesh.kinematic[3] = 1;
     const Intersections found = intersections_of(s);
-    ASSERT_EQ(found.vertex_plane.size(), 2U);
-    EXPECT_EQ(found.vertex_plane[0].vertex, 0);
-    EXPECT_EQ(found.vertex_plane[1].vertex, 2);
-    EXPECT_EQ(found.vertex_plane[1].distance, -2.0);
-    s.mesh.plane_enabled = {0};
+    ASSERT_EQ(found.vertex_wall.size(), 2U);
+    EXPECT_EQ(found.vertex_wall[0].vertex, 0);
+    EXPECT_EQ(found.vertex_wall[1].vertex, 2);
+    EXPECT_EQ(found.vertex_wall[1].distance, -2.0);
+    s.mesh.wall_enabled = {0};
+    EXPECT_EQ(intersections_of(s).size(), 0U);
+}
+
+TEST(Intersections, VerticesOnOrOutsideOfContainersAreFound) {
+    Shape s;
+    s.x = {{0, 0, 0}, {0, 2, 0}, {0, -2.5, 0}, {9, 0, 0}, {9, 0, 3}};
+    s.mesh.walls = {{{}, 0.0, WallShape::Sphere, {0, 0, 0}, 2.0},
+                    {{1, 0, 0}, 0.0, WallShape::Cylinder, {0, 0, 0}, 2.25}};
+    complete(s, {}, {0, 1, 2, 3, 4});
+    s.mesh.kinematic[4] = 1;
+    const Intersections found = intersections_of(s);
+    ASSERT_EQ(found.vertex_wall.size(), 4U);
+    const std::vector<std::array<int, 2>> expected{{1, 0}, {2, 0}, {2, 1}, {3, 0}};
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+        EXPECT_EQ(found.vertex_wall[k].vertex, expected[k][0]);
+        EXPECT_EQ(found.vertex_wall[k].wall, expected[k][1]);
+    }
+    EXPECT_EQ(found.vertex_wall[1].distance, -0.5);
+    EXPECT_EQ(found.vertex_wall[2].distance, -0.25);
+    s.mesh.wall_enabled.assign(s.mesh.wall_enabled.size(), 0);
     EXPECT_EQ(intersections_of(s).size(), 0U);
 }
 

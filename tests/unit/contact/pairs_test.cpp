@@ -15,7 +15,7 @@ using MollifiedTuple = std::tuple<std::vector<int>, int, std::vector<int>, doubl
 
 /// A PairSet on the host, comparable, and what min_gap says of it.
 struct PairLists {
-    std::vector<std::vector<int>> pp, pe, pt, ee, planes;
+    std::vector<std::vector<int>> pp, pe, pt, ee, walls;
     std::vector<MollifiedTuple> mollified;
     double gap = INFINITY;
     int gap_kind = 0;
@@ -23,7 +23,7 @@ struct PairLists {
     friend bool operator==(const PairLists&, const PairLists&) = default;
 
     [[nodiscard]] std::size_t size() const {
-        return pp.size() + pe.size() + pt.size() + ee.size() + planes.size()
+        return pp.size() + pe.size() + pt.size() + ee.size() + walls.size()
              + mollified.size();
     }
 };
@@ -58,7 +58,7 @@ PairLists pairs_of(Exec& exec, const Shape& s, double dhat) {
     out.pe = to_lists(View<const Int3>(pairs.pe.view()));
     out.pt = to_lists(View<const Int4>(pairs.pt.view()));
     out.ee = to_lists(View<const Int4>(pairs.ee.view()));
-    out.planes = to_lists(View<const Int2>(pairs.planes.view()));
+    out.walls = to_lists(View<const Int2>(pairs.walls.view()));
     for (const MollifiedPair& m : pairs.mollified.view())
         out.mollified.push_back(to_tuple(m));
     EXPECT_EQ(int(out.size()), pairs.size());
@@ -191,13 +191,13 @@ TEST(Pairs, ParallelEdgesAreMollifiedByRestLength) {
 TEST(Pairs, HalfSpacesAreActiveBelowDhatAndBehind) {
     Shape s;
     s.x = {{0, 0.05, 0}, {1, -0.2, 0}, {0, 3, 0}};
-    s.mesh.planes = {{{0, 1, 0}, 0.0}};
+    s.mesh.walls = {{{0, 1, 0}, 0.0}};
     complete(s, {}, {0, 1, 2});
     SerialExec exec;
     const PairLists found = pairs_of(exec, s, 0.1);
-    EXPECT_EQ(found.planes, (std::vector<std::vector<int>>{{0, 0}, {1, 0}}));
+    EXPECT_EQ(found.walls, (std::vector<std::vector<int>>{{0, 0}, {1, 0}}));
     EXPECT_DOUBLE_EQ(found.gap, -0.2);
-    EXPECT_EQ(found.gap_kind, int(MinGap::Kind::Plane));
+    EXPECT_EQ(found.gap_kind, int(MinGap::Kind::Wall));
     EXPECT_EQ(found.gap_vertices, (std::vector<int>{1, 0, -1, -1}));
 }
 
@@ -214,7 +214,7 @@ TEST(Pairs, NoneGivesAnInfiniteGap) {
 TEST(Pairs, ANanPositionIsNotHiddenByTheGap) {
     Shape s;
     s.x = {{0, 0.05, 0}, {1, 0.02, 0}};
-    s.mesh.planes = {{{0, 1, 0}, 0.0}};
+    s.mesh.walls = {{{0, 1, 0}, 0.0}};
     complete(s, {}, {0, 1});
     SerialExec exec;
     DeviceCollisionMesh<SerialExec> mesh;
@@ -233,8 +233,8 @@ TEST(Pairs, ANanPositionIsNotHiddenByTheGap) {
 
 TEST(Pairs, AreEqualForEveryExecutorAndThreadCount) {
     Shape s = folded_sheet(13, 0.02);
-    s.mesh.planes.push_back({{0.0, 1.0, 0.0}, -0.01});
-    s.mesh.plane_enabled = {1};
+    s.mesh.walls.push_back({{0.0, 1.0, 0.0}, -0.01});
+    s.mesh.wall_enabled = {1};
     SerialExec serial;
     const PairLists expected = pairs_of(serial, s, 0.03);
     EXPECT_GT(expected.size(), 1000U);

@@ -133,7 +133,7 @@ TEST(StepBound, NamesTheLimitingPair) {
            {9.5, 0.5, -1},
            {9.5, 0.5, 1}};
     s.mesh.triangles = {{{0, 1, 2}}};
-    s.mesh.planes = {{{0, 0, 1}, -20.0}};
+    s.mesh.walls = {{{0, 0, 1}, -20.0}};
     complete(s, {{{4, 5}}, {{6, 7}}}, {3});
     SerialExec exec;
     std::vector<Vec3d> p(8, Vec3d{0, 0, 0});
@@ -156,9 +156,30 @@ TEST(StepBound, NamesTheLimitingPair) {
 
     p[1] = {0, 0, -200.0};
     const StepBound plane = bound_of(exec, s, p, 0.01);
-    EXPECT_EQ(plane.limit, StepBound::Limit::Plane);
+    EXPECT_EQ(plane.limit, StepBound::Limit::Wall);
     EXPECT_EQ(plane.vertices, (Int4{{1, 0, -1, -1}}));
     EXPECT_NEAR(plane.alpha, 0.8 * 20.0 / 200.0, 1e-12);
+}
+
+TEST(StepBound, NamesACurvedWall) {
+    Shape s;
+    s.x = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.5}};
+    s.mesh.triangles = {{{0, 1, 2}}};
+    s.mesh.walls = {{{0, 0, 1}, -20.0},
+                    {{}, 0.0, WallShape::Sphere, {0, 0, 0}, 6.0},
+                    {{1, 0, 0}, 0.0, WallShape::Cylinder, {0, 0, 0}, 5.0}};
+    complete(s, {}, {3});
+    SerialExec exec;
+    std::vector<Vec3d> p(4, Vec3d{0, 0, 0});
+    p[1] = {20.0, 0, 0};
+    const StepBound ball = bound_of(exec, s, p, 0.01);
+    EXPECT_EQ(ball.limit, StepBound::Limit::Wall);
+    EXPECT_EQ(ball.vertices, (Int4{{1, 1, -1, -1}}));
+    EXPECT_NEAR(ball.alpha, 0.8 * 5.0 / 20.0, 1e-12);
+    p[1] = {-1.0, 20.0, 0};
+    const StepBound pipe = bound_of(exec, s, p, 0.01);
+    EXPECT_EQ(pipe.vertices, (Int4{{1, 2, -1, -1}}));
+    EXPECT_NEAR(pipe.alpha, 0.8 * 5.0 / 20.0, 1e-12);
 }
 
 TEST(StepBound, ZeroComesWithAPairAndAReason) {

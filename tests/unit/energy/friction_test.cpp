@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "energy/friction.hpp"
-
 #include "derivative/contact_oracle.hpp"
+#include "energy/friction_hessian.hpp"
 
 #include <gtest/gtest.h>
 
@@ -78,9 +77,8 @@ TEST(FrictionBasis, WorksForEveryNormal) {
     for (const Vec3d& n : normals) {
         expect_orthonormal(
             friction_basis<2>(PairKind::PointPoint, {{4e-3 * n, {0, 0, 0}}}, kParams), n);
-        const BarrierPlane plane{n, 0.5};
-        const FrictionBasis<1> basis =
-            half_space_friction_basis(0.504 * n, plane, kParams);
+        const Wall plane{n, 0.5};
+        const FrictionBasis<1> basis = wall_friction_basis(0.504 * n, plane, kParams);
         expect_orthonormal(basis, n);
         EXPECT_EQ(basis.w[0], 1.0);
     }
@@ -128,9 +126,8 @@ TEST(FrictionBasis, OfMollifiedPairsUsesTheSubCaseAndTheMollifiedForce) {
 }
 
 TEST(Friction, AtRestHasOnlyItsConstantAndAnIsotropicHessian) {
-    const BarrierPlane plane{{0, 0, 1}, 0.0};
-    const FrictionBasis<1> basis =
-        half_space_friction_basis({0, 0, 4e-3}, plane, kParams);
+    const Wall plane{{0, 0, 1}, 0.0};
+    const FrictionBasis<1> basis = wall_friction_basis({0, 0, 4e-3}, plane, kParams);
     const Stencil<1> rest{{{0, 0, 0}}};
     const double force = 0.3 * basis.normal_force;
     EXPECT_DOUBLE_EQ(friction_energy(basis, rest, 0.3, kEps), force * kEps / 3);
@@ -141,9 +138,8 @@ TEST(Friction, AtRestHasOnlyItsConstantAndAnIsotropicHessian) {
 }
 
 TEST(Friction, OpposesSlidingWithTheCoulombForce) {
-    const BarrierPlane plane{{0, 0, 1}, 0.0};
-    const FrictionBasis<1> basis =
-        half_space_friction_basis({0, 0, 4e-3}, plane, kParams);
+    const Wall plane{{0, 0, 1}, 0.0};
+    const FrictionBasis<1> basis = wall_friction_basis({0, 0, 4e-3}, plane, kParams);
     const Stencil<1> moved{
         {{3 * kEps, -4 * kEps, 7.0}}};  // the normal part does not count
     const Vec3d g = friction_gradient(basis, moved, 0.3, kEps).g[0];
@@ -178,12 +174,10 @@ TEST(Friction, IgnoresCommonMotionAndBalances) {
 }
 
 TEST(Friction, VanishesWithoutCoefficientOrForce) {
-    const BarrierPlane plane{{0, 0, 1}, 0.0};
+    const Wall plane{{0, 0, 1}, 0.0};
     const Stencil<1> moved{{{0.2 * kEps, 0, 0}}};
-    const FrictionBasis<1> pressed =
-        half_space_friction_basis({0, 0, 4e-3}, plane, kParams);
-    const FrictionBasis<1> apart =
-        half_space_friction_basis({0, 0, 2e-2}, plane, kParams);
+    const FrictionBasis<1> pressed = wall_friction_basis({0, 0, 4e-3}, plane, kParams);
+    const FrictionBasis<1> apart = wall_friction_basis({0, 0, 2e-2}, plane, kParams);
     EXPECT_EQ(friction_energy(pressed, moved, 0.0, kEps), 0.0);
     EXPECT_EQ(friction_hessian(pressed, moved, 0.0, kEps).rank, 0);
     EXPECT_EQ(friction_energy(apart, moved, 0.3, kEps), 0.0);

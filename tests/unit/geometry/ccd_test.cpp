@@ -278,17 +278,5 @@ TEST(Advance, CodimensionalPairsStopAtTheirGap) {
     EXPECT_EQ(miss.t, 1.0);
 }
 
-TEST(AdvanceHalfSpace, KeepsTheFractionThatSlackLeaves) {
-    EXPECT_NEAR(advance_half_space(0.5, -1.0, 0.8).t, 0.4, 1e-15);
-    EXPECT_LE(advance_half_space(0.5, -1.0, 0.8).t, 0.4);
-    EXPECT_EQ(advance_half_space(0.5, -0.1, 0.8).t, 1.0);
-    EXPECT_EQ(advance_half_space(0.5, 3.0, 0.8).t, 1.0);
-    EXPECT_EQ(advance_half_space(0.5, 0.0, 0.8, 0.25).t, 0.25);
-    EXPECT_EQ(advance_half_space(0.0, -1.0, 0.8).reason, AdvanceEnd::InitiallyClosed);
-    EXPECT_EQ(advance_half_space(-1.0, 1.0, 0.8).reason, AdvanceEnd::InitiallyClosed);
-    EXPECT_EQ(advance_half_space(NAN, 1.0, 0.8).reason, AdvanceEnd::NotFinite);
-    EXPECT_GT(advance_half_space(1e-300, -1.0, 0.8).t, 0.0);
-}
-
 }  // namespace
 }  // namespace noli::test

@@ -157,6 +157,29 @@ TEST(Checked, FlipsInvertedTetrahedraOnRequest) {
     EXPECT_NEAR(check_mesh(fixed.value(), MeshRole::Solid).quality.volume, 1.0, 1e-14);
 }
 
+TEST(CheckMesh, TheBoxHoldsOnlyVerticesWithAnElement) {
+    Mesh mesh = test::corner_tet();
+    mesh.x.insert(mesh.x.begin(), {9, 9, 9});
+    mesh.tets[0] = {1, 2, 3, 4};
+    const MeshReport report = check_mesh(mesh, MeshRole::Solid);
+    EXPECT_EQ(max_abs(report.quality.lo), 0.0);
+    EXPECT_EQ(max_abs(report.quality.hi), 1.0);
+}
+
+TEST(CheckMesh, SegmentsAndPointsBesideTrianglesAreChecked) {
+    Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 2, 2}, {3, 3, 3}},
+              {},
+              {{0, 1, 2}},
+              {{1, 3}},
+              {4}};
+    EXPECT_TRUE(check_mesh(mesh, MeshRole::Surface).warnings.empty());
+    mesh.segments[0] = {1, 5};
+    EXPECT_FALSE(check_mesh(mesh, MeshRole::Surface).ok());
+    mesh.segments[0] = {1, 3};
+    mesh.points[0] = -1;
+    EXPECT_FALSE(check_mesh(mesh, MeshRole::Surface).ok());
+}
+
 TEST(Checked, DropsUnusedVerticesAndOtherElementsAndSaysWhichStayed) {
     Mesh mesh = test::corner_tet();
     mesh.x.insert(mesh.x.begin() + 1, {9, 9, 9});

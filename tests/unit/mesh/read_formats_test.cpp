@@ -27,11 +27,34 @@ TEST(TetgenReader, ReadsZeroBasedFilesAndNumberedNames) {
         test::expect_same(read_fine(folder / name), test::corner_tet());
 }
 
-TEST(TetgenReader, ReadsPointsAloneFromANodeFile) {
+TEST(TetgenReader, RefusesHalfAPairByNameAndWithTheCure) {
     const TempFolder folder;
-    const Mesh mesh = read_fine(folder.write("a.node", "2 3 0 0\n1 0 0 0\n2 1 2 3\n"));
-    EXPECT_EQ(mesh.x.size(), 2U);
-    EXPECT_TRUE(mesh.tets.empty());
+    folder.write("a.node", "2 3 0 0\n1 0 0 0\n2 1 2 3\n");
+    folder.write("b.ele", "1 4 0\n1 1 2 3 4\n");
+    struct Case {
+        const char *file, *missing, *holds;
+    };
+    for (const Case& c : {Case{"a.node", "a.ele", "the tetrahedra that belong to a.node"},
+                          Case{"a", "a.ele", "the tetrahedra that belong to a.node"},
+                          Case{"b.ele", "b.node", "the points that belong to b.ele"},
+                          Case{"b", "b.node", "the points that belong to b.ele"}}) {
+        SCOPED_TRACE(c.file);
+        const Result<Mesh> mesh = read_mesh(folder / c.file);
+        ASSERT_FALSE(mesh);
+        EXPECT_EQ(mesh.error().code, Error::Code::FileNotReadable);
+        EXPECT_EQ(mesh.error().where, folder / c.missing);
+        for (const char* part : {c.holds, "put it beside that file", ".pt"})
+            EXPECT_NE(mesh.error().message.find(part), std::string::npos)
+                << mesh.error().message;
+    }
+}
+
+TEST(TetgenReader, FindsThePartnerInUpperCase) {
+    const TempFolder folder;
+    folder.write("BALL.NODE", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n");
+    folder.write("BALL.ELE", "1 4 0\n0 0 1 2 3\n");
+    for (const char* name : {"BALL", "BALL.NODE", "BALL.ELE"})
+        test::expect_same(read_fine(folder / name), test::corner_tet());
 }
 
 TEST(MeditReader, ReadsAllElementsAndSkipsOtherSections) {
@@ -44,6 +67,22 @@ TEST(MeditReader, ReadsAllElementsAndSkipsOtherSections) {
                      "Triangles\n1\n1 3 2 5\nTetrahedra\n1\n1 2 3 4 9\nEnd\n"));
     test::expect_same(mesh,
                       {test::corner_tet().x, {{0, 1, 2, 3}}, {{0, 2, 1}}, {{0, 1}}});
+}
+
+TEST(MeditReader, ReadsSectionsInAnyOrder) {
+    const TempFolder folder;
+    const std::string head = "MeshVersionFormatted 2\n";
+    const std::string tets = "Tetrahedra\n1\n1 2 3 4 9\n";
+    const std::string points = "Vertices 4\n0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n";
+    test::expect_same(
+        read_fine(folder.write("a.mesh", head + tets + points + "Dimension 3\nEnd\n")),
+        test::corner_tet());
+    const Result<Mesh> wrong = read_mesh(folder.write(
+        "b.mesh", head + tets + "Vertices 3\n0 0 0 1\n1 0 0 1\n0 1 0 1\nEnd\n"));
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().message.find("tetrahedra uses vertex 4, expected 1 to 3"),
+              std::string::npos)
+        << wrong.error().message;
 }
 
 TEST(MeditReader, NeedsNoEndKeyword) {
@@ -67,6 +106,7 @@ TEST(ObjReader, ReadsAllFormsOfIndices) {
     EXPECT_EQ(mesh.triangles,
               (std::vector<Int3>{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 2, 3}}));
     EXPECT_EQ(mesh.segments, (std::vector<Int2>{{0, 1}, {1, 2}}));
+    EXPECT_EQ(mesh.points, (std::vector<int>{0}));
 }
 
 double area_along_z(const Mesh& mesh, double& smallest) {
@@ -153,6 +193,24 @@ TEST(PlyReader, ReadsAscii) {
                       ply_mesh());
 }
 
+TEST(PlyReader, ReadsHeadersInEveryLegalOrder) {
+    const TempFolder folder;
+    const std::string elements =
+        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement "
+        "face 1\nproperty list uchar int vertex_indices\n";
+    const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    for (const std::string& header :
+         {"comment by hand\nformat ascii 1.0\n" + elements,
+          "obj_info scanned\ncomment twice\n\nformat ascii 1.0\n" + elements,
+          elements + "format ascii 1.0\ncomment last\n"}) {
+        SCOPED_TRACE(header);
+        const Mesh mesh =
+            read_fine(folder.write("a.ply", "ply\n" + header + "end_header\n" + body));
+        EXPECT_EQ(mesh.x.size(), 3U);
+        EXPECT_EQ(mesh.triangles, (std::vector<Int3>{{0, 1, 2}}));
+    }
+}
+
 TEST(PlyReader, ReadsBinaryInBothByteOrders) {
     const TempFolder folder;
     for (const bool big : {false, true}) {
@@ -224,6 +282,13 @@ TEST(SegReader, ReadsPointsAndSegments) {
         folder.write("a.seg", "# rope\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\ns 1 2\ns 2 3\n"));
     EXPECT_EQ(mesh.x.size(), 3U);
     EXPECT_EQ(mesh.segments, (std::vector<Int2>{{0, 1}, {1, 2}}));
+}
+
+TEST(SegReader, ReadsSegmentsBeforeTheirVertices) {
+    const TempFolder folder;
+    const Mesh mesh = read_fine(folder.write("a.seg", "s 1 2\nv 0 0 0\nv 1 0 0\n"));
+    EXPECT_EQ(mesh.x.size(), 2U);
+    EXPECT_EQ(mesh.segments, (std::vector<Int2>{{0, 1}}));
 }
 
 TEST(SegReader, FallsBackToTheEdgesOfTheObjIfMissingOrEmpty) {

@@ -76,6 +76,15 @@ TEST(MshReader, IgnoresForeignTrailingSections) {
                           test::corner_tet());
 }
 
+TEST(MshReader, PassesOverSectionsBeforeTheFormat) {
+    const TempFolder folder;
+    const std::string body = std::string("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n")
+                           + kNodes22 + "$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n";
+    test::expect_same(
+        read_fine(folder.write("a.msh", "$Comments\nby $hand\n$EndComments\n" + body)),
+        test::corner_tet());
+}
+
 TEST(MshReader, AcceptsWindowsLineEndsAndByteOrderMark) {
     const TempFolder folder;
     std::string text = std::string("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n") + kNodes22

@@ -65,6 +65,17 @@ TEST(RoundTrip, OtherFormatsKeepEveryBit) {
     expect_round_trip("a.pt", random_mesh(false, false, false));
 }
 
+TEST(RoundTrip, ObjKeepsPointsAndOtherFormatsRefuseThem) {
+    const TempFolder folder;
+    Mesh mesh = random_mesh(false, true, true);
+    mesh.points = {3, 1, 4};
+    ASSERT_FALSE(write_mesh(folder / "a.obj", mesh));
+    EXPECT_EQ(read_fine(folder / "a.obj").points, mesh.points);
+    const auto failed = write_mesh(folder / "a.ply", mesh);
+    ASSERT_TRUE(failed);
+    EXPECT_NE(failed->message.find("points"), std::string::npos);
+}
+
 TEST(RoundTrip, StlKeepsTrianglesAndPositions) {
     const TempFolder folder;
     Mesh ball = make_sphere_surface({.radius = 0.3, .edge_length = 0.1}).value();

@@ -147,5 +147,80 @@ TEST(Boundary, ObstaclesStandWithoutConditions) {
     expect_near(b.path[0][1], s.model.x0[1]);
 }
 
+/// Conditions on the square's vertices, evaluated for a step of 0.5 s.
+StepBoundary together(Square& s, const std::vector<BoundaryCondition>& conditions) {
+    for (const BoundaryCondition& what : conditions) {
+        s.model.conditions.push_back(s.condition);
+        s.model.conditions.back().what = what;
+    }
+    BoundaryScript script(s.model, {0, -10, 0});
+    StepBoundary out;
+    script.evaluate(0.0, 0.5, 0, s.model.x0, out);
+    return out;
+}
+
+BoundaryCondition moving(const Vector3& linear, int axes) {
+    BoundaryCondition what;
+    what.kind = Kind::Velocity;
+    what.linear = linear;
+    what.axes = axes;
+    return what;
+}
+
+TEST(BoundaryAxes, OneAxisLeavesTheOthersFree) {
+    Square s;
+    const StepBoundary b = together(s, {moving({2, 4, 6}, 1)});
+    EXPECT_EQ(b.num_prescribed, 0);
+    EXPECT_EQ(b.prescribed, (std::vector<std::uint8_t>{0, 0, 0, 0}));
+    EXPECT_EQ(b.axes, (std::vector<std::uint8_t>{1, 1, 1, 1}));
+    expect_near(b.path[0][3], {2, 1, 0});
+}
+
+TEST(BoundaryAxes, ThreeConditionsMakeAPrescribedVertex) {
+    Square s;
+    const StepBoundary two = together(s, {moving({2, 4, 6}, 1), moving({2, 4, 6}, 4)});
+    EXPECT_EQ(two.axes[0], 5);
+    const StepBoundary three = together(s, {moving({2, 4, 6}, 2)});
+    EXPECT_TRUE(three.axes.empty());
+    EXPECT_EQ(three.num_prescribed, 4);
+    expect_near(three.path[0][0], {1, 2, 3});
+}
+
+TEST(BoundaryAxes, TheLaterConditionWinsOnItsAxes) {
+    Square s;
+    const StepBoundary b = together(
+        s, {moving({2, 4, 6}, kAllAxes), moving({20, 40, 60}, 2), moving({8, 8, 8}, 3)});
+    EXPECT_TRUE(b.axes.empty());
+    EXPECT_EQ(b.num_prescribed, 4);
+    expect_near(b.path[0][0], {4, 4, 3});
+    Square whole;
+    const StepBoundary w =
+        together(whole, {moving({20, 40, 60}, 2), moving({2, 4, 6}, kAllAxes)});
+    expect_near(w.path[0][0], {1, 2, 3});
+}
+
+TEST(BoundaryAxes, AHeldEndKeepsItsAxesOnly) {
+    Square s;
+    BoundaryCondition what = moving({2, 4, 6}, 6);
+    what.until =
+        BoundaryCondition::Until{.subject = BoundaryCondition::Until::Subject::Body,
+                                 .axis = 0,
+                                 .above = true,
+                                 .value = -1.0,
+                                 .then_hold = true};
+    const StepBoundary b = together(s, {what});
+    EXPECT_EQ(b.axes[2], 6);
+    expect_near(b.path[0][2], s.model.x0[2]);
+}
+
+TEST(BoundaryAxes, ObstaclesStayPrescribed) {
+    Square s;
+    s.model.obstacle = {1, 1, 1, 1};
+    const StepBoundary b = together(s, {moving({2, 4, 6}, 2)});
+    EXPECT_TRUE(b.axes.empty());
+    EXPECT_EQ(b.num_prescribed, 4);
+    expect_near(b.path[0][1], {1, 2, 0});
+}
+
 }  // namespace
 }  // namespace noli

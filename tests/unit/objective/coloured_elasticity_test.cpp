@@ -69,6 +69,7 @@ std::vector<double> by_colours(const RandomMesh& mesh,
                                                    view_of(mesh.diagonal),
                                                    gradient,
                                                    matrix,
+                                                   true,
                                                    dispatch);
                            });
 }

@@ -51,6 +51,7 @@ struct Stack {
     PairSet<Exec> pairs;
     ContactLaw law;
     std::vector<Vec3d> x, x_start;
+    std::vector<double> weight;  ///< of inertia
     std::vector<std::uint8_t> fixed;
     std::mt19937 random{7};
 
@@ -92,10 +93,12 @@ struct Stack {
                                 .mass_damping = 1e-3,
                                 .stiffness_damping = 0.02,
                                 .friction_eps = 1e-3};
+        weight.assign(x_start.size(), 2.25);
         objective->begin_step(exec,
                               scales,
                               view(x_start),
                               view(rattled(x_start, 1e-2)),
+                              {weight.data(), model.num_vertices},
                               {fixed.data(), model.num_vertices});
         collision.begin_step(exec, model, model.obstacle);
         collision.find_candidates_along(exec, view(x_start), {}, 0.0, 2.0 * model.dhat);
@@ -131,8 +134,8 @@ TEST(Objective, EveryKindOfTermIsAtWork) {
     s.energy(s.x);
     EXPECT_GT(s.pairs.pt.size(), 0);
     EXPECT_GT(s.pairs.ee.size() + s.pairs.mollified.size(), 0);
-    EXPECT_GT(s.pairs.planes.size(), 0);
-    EXPECT_GT(s.objective->num_friction_terms(), s.pairs.planes.size());
+    EXPECT_GT(s.pairs.walls.size(), 0);
+    EXPECT_GT(s.objective->num_friction_terms(), s.pairs.walls.size());
 }
 
 TEST(Objective, GradientIsTheSlopeOfTheEnergy) {
@@ -179,6 +182,7 @@ TEST(Objective, SplitGradientsAddUpToTheWhole) {
         {.h_sq = 1e-4, .stiffness_damping = 0.02, .friction_eps = 1e-3},
         Stack::view(s.x_start),
         Stack::view(s.x_start),
+        {s.weight.data(), s.model.num_vertices},
         {s.fixed.data(), s.model.num_vertices});
     const std::vector<Vec3d> whole = s.gradient(s.x);  // no friction lagged
     std::vector<Vec3d> other(whole.size());

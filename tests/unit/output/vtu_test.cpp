@@ -72,6 +72,15 @@ TEST(VtuWriter, WritesTetsObstaclesSegmentsAndPointsAsCells) {
               (std::vector<Tensor>{{1, 4, 6, 2, 5, 3}, Tensor{}, Tensor{}, Tensor{}}));
 }
 
+TEST(LonePoints, AreNoVerticesWithoutAnElement) {
+    const SmallFrame small;
+    FrameMesh mesh = small.mesh();
+    EXPECT_EQ(lone_points(mesh), (std::vector<int>{10}));
+    const std::vector<int> unreferenced{10};
+    mesh.unreferenced = unreferenced;
+    EXPECT_TRUE(lone_points(mesh).empty());
+}
+
 TEST(VtuWriter, SplitsLargeArraysIntoBlocks) {
     // 30,000 points are 720,000 bytes: two full blocks of 256 KiB and a part.
     SmallFrame small;

@@ -2,7 +2,7 @@
 /// Supplement 5: Eqs. (16) to (20) as printed (with the 3 s x 2 basis that Eq. (19)
 /// needs) against the library's friction.
 #include "derivative/contact_oracle.hpp"
-#include "energy/friction.hpp"
+#include "energy/friction_hessian.hpp"
 
 #include <gtest/gtest.h>
 

@@ -27,6 +27,8 @@ class Flat {
             add_body(body);
         for (const HalfSpace& h : s.half_spaces)
             add("half_space", h.name, h.point, h.normal, h.friction);
+        for (const Container& c : s.containers)
+            add("container", c.name, c.shape, c.center, c.radius, c.axis, c.friction);
         const ContactSettings& c = s.contact;
         add("contact",
             c.enabled,
@@ -43,6 +45,8 @@ class Flat {
             c.epsv,
             c.epsv_absolute,
             c.friction_iterations,
+            c.friction_tolerance,
+            c.friction_hessian,
             c.min_separation);
         for (const ContactPairRule& r : c.pairs)
             add("pair",
@@ -60,6 +64,9 @@ class Flat {
             o.newmark_beta,
             o.newmark_gamma,
             o.tolerance,
+            o.gap_tolerance,
+            o.projection,
+            o.start,
             o.gradient_tolerance,
             o.tolerance_absolute,
             o.tolerance_per_step,
@@ -115,6 +122,7 @@ class Flat {
                 c.sequence,
                 c.t_begin,
                 c.t_end,
+                c.axes,
                 c.until.has_value());
             for (const PathKey& k : c.path)
                 add("key", k.time, k.translation, k.rotation_deg);

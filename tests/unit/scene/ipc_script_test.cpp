@@ -65,8 +65,8 @@ TEST_F(IpcScript, HasTheDefaultsOfTheLanguage) {
     EXPECT_TRUE(s.contact.enabled && s.contact.self_contact);
     EXPECT_EQ(s.contact.dhat, 1e-3);
     EXPECT_EQ(s.contact.epsv, 1e-3);
-    EXPECT_EQ(s.contact.friction_iterations, 1);
-    EXPECT_EQ(s.solver.tolerance, 1e-2);
+    EXPECT_EQ(s.contact.friction_iterations, kFrictionAsNeeded);
+    EXPECT_EQ(s.solver.tolerance, SolverSettings{}.tolerance);
     EXPECT_FALSE(s.solver.tolerance_absolute);
     EXPECT_EQ(s.solver.integrator, Integrator::ImplicitEuler);
     EXPECT_DOUBLE_EQ(s.length_scale, std::sqrt(3.0));

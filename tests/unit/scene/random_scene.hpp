@@ -34,6 +34,8 @@ class RandomScene {
                                      vector(),
                                      vector(),
                                      flip() ? positive() : 0.0});
+        for (int i = between(0, 2); i > 0; --i)
+            s.containers.push_back(container(i));
         fill_contact(s);
         fill_solver(s);
         return s;
@@ -54,6 +56,17 @@ class RandomScene {
     template <class E>
     E pick(int count) {
         return static_cast<E>(between(0, count - 1));
+    }
+
+    Container container(int i) {
+        Container c;
+        c.name = "drum" + std::to_string(i);
+        c.shape = pick<Container::Shape>(2);
+        c.center = vector();
+        c.radius = positive();
+        if (c.shape == Container::Shape::Cylinder) c.axis = vector();
+        c.friction = flip() ? positive() : 0.0;
+        return c;
     }
 
     Affine affine() {
@@ -116,6 +129,7 @@ class RandomScene {
                 c.path.push_back({i + 0.1 * i * i, vector(), vector()});
         if (c.kind == Kind::Sequence)
             c.sequence = {"tet.mesh", "triangle.obj", "tet.mesh"};
+        if (!load && flip()) c.axes = between(1, 7);
         if (flip()) c.t_begin = positive();
         if (flip()) c.t_end = c.t_begin + 1 + positive();
         if (flip())
@@ -173,11 +187,15 @@ class RandomScene {
         c.kappa_min_multiplier = positive();
         c.epsv = positive();
         c.epsv_absolute = flip();
-        c.friction_iterations = between(0, 4);
+        c.friction_iterations = between(kFrictionAsNeeded, 4);
+        c.friction_tolerance = positive();
+        c.friction_hessian = pick<FrictionHessian>(2);
         c.min_separation = positive();
         c.pairs.push_back({"*", "*", 0.25, std::nullopt});
         if (!s.half_spaces.empty())
             c.pairs.push_back({"*", s.half_spaces[0].name, std::nullopt, flip()});
+        if (!s.containers.empty())
+            c.pairs.push_back({s.containers[0].name, "*", 0.75, std::nullopt});
         const Body& b = s.bodies[0];
         if (!b.name.empty())
             c.pairs.push_back({b.name, b.name + "[0,0,0]", positive(), flip()});
@@ -193,6 +211,9 @@ class RandomScene {
         }
         o.tolerance = positive();
         o.tolerance_absolute = flip();
+        if (flip()) o.gap_tolerance = positive();
+        o.projection = pick<HessianProjection>(2);
+        o.start = pick<NewtonStart>(2);
         if (flip()) o.gradient_tolerance = positive();
         for (int i = between(0, 30); i > 0; --i)
             o.tolerance_per_step.push_back(positive());

@@ -76,6 +76,25 @@ TEST(ReadScene, FillsInNamesAndBaseFolder) {
     EXPECT_EQ(scene.base_folder, folder.path());
 }
 
+TEST(ReadScene, TakesContainers) {
+    const ScratchFolder folder;
+    const Scene scene = read_text_scene(folder, R"({ "format_version": 1,
+        "bodies": [{ "mesh": { "generator": "box" } }],
+        "containers": [{ "shape": "sphere", "radius": "20 cm", "friction": 0.3 },
+                       { "name": "pipe", "shape": "cylinder", "radius": 2,
+                         "center": [0, "1 mm", 0], "axis": [1, 1, 0] }],
+        "contact": { "pairs": [{ "a": "body0", "b": "pipe", "enabled": false }] } })");
+    ASSERT_EQ(scene.containers.size(), 2U);
+    EXPECT_EQ(scene.containers[0].name, "container0");
+    EXPECT_EQ(scene.containers[0].shape, Container::Shape::Sphere);
+    EXPECT_EQ(scene.containers[0].radius, 0.2);
+    EXPECT_EQ(scene.containers[0].friction, 0.3);
+    EXPECT_EQ(scene.containers[1].name, "pipe");
+    EXPECT_EQ(scene.containers[1].shape, Container::Shape::Cylinder);
+    EXPECT_EQ(scene.containers[1].center, (Vector3{0, 1e-3, 0}));
+    EXPECT_EQ(scene.containers[1].axis, (Vector3{1, 1, 0}));
+}
+
 TEST(ReadScene, UnderstandsUnitsAndAbsoluteSettings) {
     const ScratchFolder folder;
     const Scene scene = read_text_scene(

@@ -103,12 +103,14 @@ TEST(DescribeLinearSolver, SaysWhatIsTakenAndWhy) {
         const std::string said = describe_linear_solver(model.value(), asked, dt, false);
         EXPECT_NE(said.find(words), std::string::npos) << said;
     };
-    says(LinearSolver::Pcg, 0.01, "Gauss-Seidel (");
-    says(LinearSolver::Pcg, 10.0, "Gauss-Seidel + rigid motions of about 32 vertices");
-    says(LinearSolver::IncompleteCholesky, 0.01, "IC(0) (");
+    says(LinearSolver::Pcg, 0.01, "Gauss-Seidel + rigid motions of up to about 1024 ver");
+    says(LinearSolver::Pcg, 10.0, "Gauss-Seidel + rigid motions of up to about 32 ver");
+    says(LinearSolver::IncompleteCholesky,
+         0.01,
+         "IC(0) + rigid motions of up to about 1024 ver");
     says(LinearSolver::IncompleteCholesky,
          10.0,
-         "IC(0) + rigid motions of about 16 vertices");
+         "IC(0) + rigid motions of up to about 16 ver");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 /// The small rules that a Newton step is made of.
 
 #include "exec/cpu.hpp"
+#include "step/adaptive_law.hpp"
 #include "step/boundary_pace.hpp"
 #include "step/boundary_path.hpp"
 #include "step/integrator.hpp"
@@ -119,6 +120,53 @@ TEST(Stiffness, FollowsTheRuleOfTheSmallestDistance) {
     EXPECT_EQ(range.high, 100.0 * range.low);
 }
 
+TEST(Stiffness, IsFiniteForEveryDhat) {
+    StepSettings settings;
+    settings.diagonal = 2.0;
+    settings.mean_mass = 0.5;
+    double before = 0.0;
+    for (double dhat = 1e-2; dhat > 1e-15; dhat *= 0.1) {
+        settings.dhat = dhat;
+        const StiffnessRange range = stiffness_range(settings);
+        EXPECT_TRUE(std::isfinite(range.low) && std::isfinite(range.high)) << dhat;
+        EXPECT_GT(range.low, before) << dhat;
+        before = range.low;
+    }
+}
+
+TEST(Stiffness, ReachesAsFarAsToCarryTheLargestForceOfTheMaterial) {
+    StepSettings settings;
+    settings.diagonal = 2.0;
+    settings.dhat = 2e-3;
+    settings.mean_mass = 0.5;
+    settings.dt = 0.01;
+    settings.vertex_force = 1e12;
+    const double high = stiffness_range(settings).high;
+    const double force = -high * barrier_slope(2, 1e-3 * settings.dhat, settings.dhat);
+    EXPECT_NEAR(force, settings.dt * settings.dt * settings.vertex_force, 1e-6 * force);
+}
+
+TEST(AdaptiveLaw, RisesToWhatCarriesTheForceOfATinyGapTenTimesAtMost) {
+    StepSettings settings;
+    settings.diagonal = 1.0;
+    settings.dhat = 1e-3;
+    settings.mean_mass = 1.0;
+    settings.dt = 0.01;
+    settings.vertex_force = 1e12;
+    AdaptiveLaw law(settings);
+    law.set_kappa(law.range().low);
+    const auto force_at = [&](double gap) {
+        return -law.current().barrier.kappa * barrier_slope(2, gap, settings.dhat);
+    };
+    EXPECT_FALSE(law.stiffen(1e-6));  // no tiny gap
+    const double force = force_at(9e-10);
+    const double before = law.current().barrier.kappa;
+    EXPECT_TRUE(law.stiffen(9e-10));
+    EXPECT_NEAR(law.current().barrier.kappa, 10.0 * before, 1e-9 * before);
+    EXPECT_LE(force_at(1e-6), force);
+    EXPECT_FALSE(law.stiffen(2e-9));  // it opens again
+}
+
 /// One free vertex under a constant acceleration, as the integrators see it.
 struct OneVertex {
     SerialExec exec;
@@ -126,10 +174,14 @@ struct OneVertex {
     std::vector<Vec3d> x_prev{{0.7, 0, 0}}, v_prev{{1.5, 0, 0}}, a_ext{{3, 0, 0}},
         out{{}};
     std::vector<std::uint8_t> fixed{0};
+    std::vector<std::uint8_t> touching{0};
+    std::vector<int> body{0};
+    std::vector<double> weight{0.0};
 
     static View<Vec3d> view(std::vector<Vec3d>& items) { return {items.data(), 1}; }
 
-    void step(IntegratorChoice how) {
+    void step(IntegratorChoice choice) {
+        const IntegratorOfVertex how{choice, {touching.data(), 1}, {body.data(), 1}};
         detail::predict(exec,
                         how,
                         view(x),
@@ -138,7 +190,8 @@ struct OneVertex {
                         view(x_prev),
                         view(v_prev),
                         view(a_ext),
-                        view(out));
+                        view(out),
+                        {weight.data(), 1});
         detail::advance(exec,
                         how,
                         View<const std::uint8_t>{fixed.data(), 1},
@@ -170,6 +223,24 @@ TEST(Integrators, FallWithoutForcesAsTheirFormulasSay) {
     EXPECT_NEAR(newmark.x[0].x, 1.0 + 2.0 * dt + 0.5 * 3.0 * dt * dt, 1e-14);
     EXPECT_NEAR(newmark.v[0].x, 2.0 + 3.0 * dt, 1e-13);
     EXPECT_NEAR(newmark.a[0].x, 3.0, 1e-12);
+}
+
+TEST(Integrators, OfABodyInContactIsImplicitEuler) {
+    const double dt = 0.1;
+    OneVertex euler;
+    euler.step({Integrator::ImplicitEuler, dt, 0.25, 0.5});
+    EXPECT_EQ(euler.weight[0], 1.0);
+    for (const Integrator kind : {Integrator::Bdf2, Integrator::Newmark}) {
+        OneVertex free;
+        free.step({kind, dt, 0.25, 0.5});
+        EXPECT_NE(free.weight[0], 1.0);
+        OneVertex touching;
+        touching.touching = {1};
+        touching.step({kind, dt, 0.25, 0.5});
+        EXPECT_EQ(touching.weight[0], 1.0);
+        EXPECT_EQ(touching.x[0].x, euler.x[0].x);
+        EXPECT_EQ(touching.v[0].x, euler.v[0].x);
+    }
 }
 
 }  // namespace
