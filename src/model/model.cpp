@@ -72,7 +72,7 @@ class Builder {
   private:
     /// The barrier of a container must end before its centre, where its wall has no
     /// normal.
-    Status check_containers() const {
+    [[nodiscard]] Status check_containers() const {
         for (std::size_t k = 0; k < scene_.containers.size(); ++k)
             if (!(model_.dhat + model_.min_separation < scene_.containers[k].radius))
                 return Error{Error::Code::InvalidScene,
