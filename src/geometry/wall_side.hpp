@@ -19,10 +19,8 @@ NOLI_HD inline Expansion<2 * M * N> full_product(const Expansion<M>& e,
         none.size = 0;
         return f.size == 0 ? none : scaled(e, f.term[0]);
     } else {
-        Expansion<N / 2> low;
-        Expansion<N - N / 2> high;
-        low.size = 0;
-        high.size = 0;
+        Expansion<N / 2> low{};
+        Expansion<N - N / 2> high{};
         NOLI_ROLLED
         for (int i = 0; i < f.size; ++i)
             i < N / 2 ? low.push_nonzero(f.term[i]) : high.push_nonzero(f.term[i]);
