@@ -45,7 +45,6 @@ test: $(BUILD)/build.ninja
 
 # Scenes with known answers, a covering set or, with FULL=1, all of the grid.
 accuracy: $(BUILD)/build.ninja
-	@cmake --preset $(PRESET) -DNOLI_ACCURACY=ON >/dev/null
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target accuracy
 	@mkdir -p out && rm -f out/accuracy.txt
 	@ACCURACY_OUT=$(CURDIR)/out/accuracy.txt FULL=$(FULL) $(BUILD)/tests/accuracy --gtest_brief=1

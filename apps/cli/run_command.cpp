@@ -126,6 +126,18 @@ void print_start(const Resolved& r, const std::string& directory, int first, int
         print(fmt::format("steps {} to {} into {}\n", first, last, directory));
 }
 
+/// How far from their tolerances the steps ended, at most.
+std::string describe_ends(const RunSummary& summary) {
+    std::string text = fmt::format("steps ended within {:.2g} of the tolerance",
+                                   summary.direction_ratio);
+    if (summary.gap_change > 0.0)
+        text += fmt::format(", gaps within {:.2g} %", 100.0 * summary.gap_change);
+    if (summary.lag_change > 0.0)
+        text +=
+            fmt::format(", friction forces within {:.2g} %", 100.0 * summary.lag_change);
+    return text;
+}
+
 /// Says how the run ended; the exit code.
 int conclude(const RunSummary& summary, const std::string& directory, bool is_quiet) {
     if (summary.outcome != Outcome::Converged) {
@@ -149,9 +161,10 @@ int conclude(const RunSummary& summary, const std::string& directory, bool is_qu
     }
     if (is_quiet) return kFine;
     print(fmt::format(
-        "{} {}\nstate {:016x}\nresults in {} (frames.pvd opens in ParaView)\n",
+        "{} {}\n{}\nstate {:016x}\nresults in {} (frames.pvd opens in ParaView)\n",
         paint(stdout, Colour::Green, "done:"),
         went,
+        describe_ends(summary),
         summary.state_hash,
         directory));
     return kFine;

@@ -194,7 +194,7 @@ struct ContactSettings {
     /// body's friction force changes by more than `friction_tolerance`.
     int friction_iterations = kFrictionAsNeeded;
     FrictionHessian friction_hessian = FrictionHessian::PrimalDual;
-    double friction_tolerance = 0.05;  ///< relative change of a body's friction force
+    double friction_tolerance = 0.02;  ///< relative change of a body's friction force
     double min_separation = 0.0;       ///< m; barriers begin at dhat beyond it
     /// After several short steps move the solve to a stronger contact Hessian.
     bool strengthen = true;

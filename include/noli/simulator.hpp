@@ -269,6 +269,8 @@ struct RunSummary {
     double wall_s = 0.0;       ///< of this call
     double time = 0.0;         ///< s, simulated, in total
     std::uint64_t state_hash = 0;  ///< after steps_done; of a failed run 0 if not known
+    /// The largest of the same figures of the steps of this call.
+    double direction_ratio = 0.0, gap_change = 0.0, lag_change = 0.0;
 };
 
 /// Runs a scene into a directory (docs/frame-format.md): frames, stats.csv, checkpoints,

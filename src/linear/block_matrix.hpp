@@ -149,11 +149,9 @@ class BlockMatrix {
     }
 
     /// xᵀ A x
-    Later quadratic_form_later(Exec& exec, View<const Vec3d> x) const {
-        return detail::block_quadratic_form(exec, row_begin(), col(), values(), x);
-    }
     double quadratic_form(Exec& exec, View<const Vec3d> x) const {
-        return exec.value(quadratic_form_later(exec, x));
+        return exec.value(
+            detail::block_quadratic_form(exec, row_begin(), col(), values(), x));
     }
 
     /// out[i] = A_ii

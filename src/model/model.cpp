@@ -4,6 +4,7 @@
 #include "energy/elastic.hpp"
 #include "mesh/source.hpp"
 #include "mesh/topology.hpp"
+#include "model/origin.hpp"
 #include "model/rotation.hpp"
 #include "model/select.hpp"
 #include "model/sequence.hpp"
@@ -45,10 +46,10 @@ std::string body_place(const Scene& scene, std::size_t index) {
 /// Appends bodies one after the other.
 class Builder {
   public:
-    Builder(const Scene& scene, std::vector<SceneWarning>* warnings)
-        : scene_(scene), warnings_(warnings) {}
+    explicit Builder(const Scene& scene) : scene_(scene) {}
 
-    Result<Model> build() {
+    /// Loads the bodies and puts them where they are.
+    Status place() {
         for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
             Status added = add_body(b);
             if (!added) return added.error();
@@ -57,6 +58,12 @@ class Builder {
             return Error{Error::Code::InvalidScene,
                          scene_.name + ":/bodies",
                          "the scene has no bodies; add at least one"};
+        return Done{};
+    }
+
+    /// Everything else, after place. Places count from `origin` in the world.
+    Result<Model> finish(const Vec3d& origin) {
+        model_.origin = origin;
         sort_tets();
         model_.tet_source = source_;
         if (Status loaded = load_sequences(scene_.base_folder, model_); !loaded)
@@ -68,6 +75,9 @@ class Builder {
         if (!fits) return fits.error();
         return std::move(model_);
     }
+
+    [[nodiscard]] const Model& model() const { return model_; }
+    [[nodiscard]] const std::vector<SceneWarning>& warnings() const { return warnings_; }
 
   private:
     /// The barrier of a container must end before its centre, where its wall has no
@@ -303,11 +313,11 @@ class Builder {
     }
 
     void warn(const std::string& where, const std::string& message) {
-        if (warnings_ != nullptr) warnings_->push_back({where, message});
+        warnings_.push_back({where, message});
     }
 
     const Scene& scene_;
-    std::vector<SceneWarning>* warnings_;
+    std::vector<SceneWarning> warnings_;
     Model model_;
     std::vector<std::size_t> source_body_;  // index in scene.bodies of each body
     std::vector<int> elastic_model_;        // per tet, before sorting
@@ -331,7 +341,20 @@ std::vector<Vec3d> Model::places() const {
 }
 
 Result<Model> build_model(const Scene& scene, std::vector<SceneWarning>* warnings) {
-    return Builder(scene, warnings).build();
+    const auto finish = [&](Builder& builder, const Vec3d& origin) {
+        if (warnings != nullptr)
+            warnings->insert(
+                warnings->end(), builder.warnings().begin(), builder.warnings().end());
+        return builder.finish(origin);
+    };
+    Builder builder(scene);
+    if (Status placed = builder.place(); !placed) return placed.error();
+    const Vec3d origin = local_origin(builder.model());
+    if (max_abs(origin) == 0.0) return finish(builder, origin);
+    const Scene near_zero = moved_to(origin, scene);
+    Builder again(near_zero);
+    if (Status placed = again.place(); !placed) return placed.error();
+    return finish(again, origin);
 }
 
 }  // namespace noli

@@ -35,6 +35,7 @@ struct ModelCondition {
 /// after the other, each in the order of its mesh file (tetrahedra excepted: see
 /// tet_source).
 struct Model {
+    Vec3d origin{0, 0, 0};  ///< that all places count from, in the world (origin.hpp), m
     int num_vertices = 0;
     std::vector<std::string> body_names;
     std::vector<int> body;               ///< per vertex

@@ -55,7 +55,7 @@ class Taker {
         std::vector<Vec3d>& frame = condition_->sequence[step];
         frame.reserve(condition_->vertices.size());
         for (const int v : condition_->vertices)
-            frame.push_back(at(v));
+            frame.push_back(at(v) - model_->origin);
         return Done{};
     }
 

@@ -99,9 +99,9 @@ class ContactTerms {
             settle_duals(exec, friction_.view(), x, x_start_, eps_);
     }
 
-    /// See sum_friction_per_body.
-    void sum_friction(Exec& exec, View<const int> body, std::vector<double>& out) {
-        sum_friction_per_body(exec, friction_.view(), body, term_forces_, out);
+    /// See FrictionOfBodies::sum.
+    void sum_friction(Exec& exec, View<const int> body, View<double> out) {
+        friction_of_bodies_.sum(exec, friction_.view(), body, out);
     }
 
     /// Sums of kappa b over the lists of pairs, J.
@@ -229,7 +229,7 @@ class ContactTerms {
     Buffer<Wall> walls_;
     int wall_rank_ = 1;  ///< modes of every wall pair: more than one if a wall curves
     Buffer<FrictionTerm> friction_;
-    Buffer<detail::TermForce> term_forces_;
+    FrictionOfBodies<Exec> friction_of_bodies_;
     PointCounts friction_counts_{};
     View<const Vec3d> x_start_{};
     double eps_ = 0.0;

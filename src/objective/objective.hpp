@@ -121,9 +121,9 @@ class Objective {
     }
 
     /// Per body the sum of mu lambda_N of the frozen friction, N h^2.
-    void sum_friction(Exec& exec, std::vector<double>& out) {
-        out.resize(static_cast<std::size_t>(device_.num_bodies));
-        contacts_.sum_friction(exec, device_.body.view(), out);
+    void sum_friction(Exec& exec, typename Exec::template Buffer<double>& out) {
+        out.resize(device_.num_bodies);
+        contacts_.sum_friction(exec, device_.body.view(), out.view());
     }
 
     /// E(x) with the active pairs of x, J times h^2-scale.

@@ -9,12 +9,6 @@
 namespace noli::detail {
 
 template <class Exec>
-void subtract(Exec& exec, View<const Vec3d> a, View<const Vec3d> b, View<Vec3d> out) {
-    exec.for_each(
-        "objective/subtract", out.size, [=] NOLI_HD(int v) { out[v] = a[v] - b[v]; });
-}
-
-template <class Exec>
 void add_scaled(Exec& exec, double s, View<const Vec3d> a, View<Vec3d> out) {
     exec.for_each(
         "objective/add_scaled", out.size, [=] NOLI_HD(int v) { out[v] += s * a[v]; });

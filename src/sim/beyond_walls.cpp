@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/beyond_walls.hpp"
 
+#include "model/origin.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
@@ -55,7 +57,7 @@ std::vector<BeyondWall> beyond_walls(const Model& model,
         BeyondWall& at = found[{body, hit.wall}];
         const double depth = std::max(0.0, -hit.distance);
         if (at.vertices.empty() || depth > at.depth) {
-            const Vec3d& place = x[static_cast<std::size_t>(hit.vertex)];
+            const Vec3d place = in_world(model, x[static_cast<std::size_t>(hit.vertex)]);
             at.deepest = hit.vertex;
             at.depth = depth;
             at.place = {place.x, place.y, place.z};

@@ -15,6 +15,8 @@ namespace {
 // below the second gaps have few digits.
 constexpr double kLeastDigits = 1e4;
 constexpr double kFewDigits = 1e6;
+// Rounding of places over the shortest edge from which shapes have few digits.
+constexpr double kLeastShape = 1e-6;
 
 void check_rounding(const Model& model, Findings& out) {
     double farthest = 0.0;
@@ -22,22 +24,45 @@ void check_rounding(const Model& model, Findings& out) {
         farthest = std::max(farthest, max_abs(model.x0[static_cast<std::size_t>(v)]));
     const double rounding = std::numeric_limits<double>::epsilon() * farthest;
     if (model.dhat >= kFewDigits * rounding) return;
+    const bool is_moved = max_abs(model.origin) > 0.0;
     const bool hopeless = model.dhat < kLeastDigits * rounding;
     out.push_back(
         {hopeless ? Finding::Severity::Error : Finding::Severity::Warning,
          "contact/dhat",
          fmt::format(
              "dhat = {:g} m is only {:.3g} times the rounding of coordinates ({:.2g} "
-             "m at {:.4g} m from the origin), so gaps {}; choose a dhat of at least "
+             "m at {:.4g} m from the {}), so gaps {}; choose a dhat of at least "
              "{:.2g} m{}",
              model.dhat,
              model.dhat / rounding,
              rounding,
              farthest,
+             is_moved ? "middle of the elastic bodies" : "origin",
              hopeless ? "cannot be told from contact" : "have few digits",
              kFewDigits * rounding,
-             farthest > 10.0 * model.diagonal ? ", or move the scene to the origin"
-                                              : "")});
+             farthest > 10.0 * model.diagonal && !is_moved
+                 ? ", or move the scene to the origin"
+                 : "")});
+}
+
+/// Places far from the origin are moved near it before the first step; what their numbers
+/// have lost in the files is lost.
+void check_origin(const Model& model, Findings& out) {
+    const double rounding =
+        std::numeric_limits<double>::epsilon() * max_abs(model.origin);
+    double shortest = HUGE_VAL;
+    for (const double sq : model.edge_rest_sq)
+        shortest = std::min(shortest, std::sqrt(sq));
+    if (!(rounding > kLeastShape * shortest)) return;
+    out.push_back({Finding::Severity::Warning,
+                   "/bodies",
+                   fmt::format("the bodies are {:.4g} m from the origin, where numbers "
+                               "are rounded to {:.2g} m, {:.2g} of the shortest edge: "
+                               "meshes, half-spaces and what is written have no more "
+                               "digits; move the scene to the origin",
+                               max_abs(model.origin),
+                               rounding,
+                               rounding / shortest)});
 }
 
 void check_edges(const Model& model, Findings& out) {
@@ -85,6 +110,7 @@ void check_extents(const Model& model, Findings& out) {
 }  // namespace
 
 void check_lengths(const Scene& scene, const Model& model, Findings& out) {
+    check_origin(model, out);
     if (!scene.contact.enabled) return;
     check_rounding(model, out);
     check_extents(model, out);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/marked_mesh.hpp"
 
+#include "model/origin.hpp"
 #include "output/file.hpp"
 
 #include <algorithm>
@@ -62,8 +63,10 @@ Status write_marked_mesh(const std::string& path,
         "property uchar blue\nend_header\n",
         model.x0.size(),
         model.triangles.size());
-    for (const Vec3d& p : model.x0)
+    for (const Vec3d& local : model.x0) {
+        const Vec3d p = in_world(model, local);
         fmt::format_to(std::back_inserter(text), "{} {} {}\n", p.x, p.y, p.z);
+    }
     for (const Int3& t : model.triangles) {
         const bool red = pierced.count({t[0], t[1], t[2]}) > 0 || has_edge(edges, t)
                       || has_vertex(beyond, t);

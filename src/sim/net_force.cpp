@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/net_force.hpp"
 
+#include "model/rotation.hpp"
+
+#include <algorithm>
+
 namespace noli {
 
 namespace {
@@ -43,6 +47,25 @@ std::vector<NetForce> net_forces(const Model& model,
         net.torque = to_array(body.torque - cross(center, body.force));
     }
     return out;
+}
+
+double unbalanced(const Topology& topology,
+                  const std::vector<NetForce>& net,
+                  const std::vector<Vector3>& contact_force,
+                  double small,
+                  double dt,
+                  double share) {
+    std::vector<double> allowed(net.size(), 0.0);
+    for (std::size_t v = 0; v < contact_force.size(); ++v)
+        allowed[static_cast<std::size_t>(topology.body_of_vertex[v])] +=
+            topology.mass[v] * small / (dt * dt)
+            + share * norm(to_vec3(contact_force[v]));
+    double worst = 0.0;
+    for (std::size_t b = 0; b < net.size(); ++b) {
+        const double size = norm(to_vec3(net[b].force));
+        if (size > 0.0) worst = std::max(worst, size / allowed[b]);
+    }
+    return worst;
 }
 
 }  // namespace noli

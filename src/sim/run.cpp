@@ -265,6 +265,12 @@ Status Run::advance() {
     const bool failed = report.outcome != Outcome::Converged;
     summary_.outcome = report.outcome;
     summary_.message = report.message;
+    const auto widen = [](double& largest, double of_step) {
+        largest = std::max(largest, of_step);
+    };
+    widen(summary_.direction_ratio, report.direction_ratio);
+    widen(summary_.gap_change, report.gap_change);
+    widen(summary_.lag_change, report.lag_change);
     const Clock::time_point start = Clock::now();
     if (!failed && output_->is_frame_due(report.step))
         if (Status written = output_->write_frame(*simulator_); !written) return written;

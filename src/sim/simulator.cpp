@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "noli/simulator.hpp"
 
+#include "model/origin.hpp"
 #include "model/rotation.hpp"
 #include "output/hash.hpp"
 #include "sim/beyond_walls.hpp"
@@ -203,10 +204,38 @@ Result<Simulator> Simulator::create(const Scene& scene, const SimulatorOptions& 
     return Simulator(std::move(impl));
 }
 
+namespace {
+
+/// For debug builds: whether a step that converged has left no net force but what its
+/// tests for the end allow. Of settings that say so exactly.
+[[maybe_unused]] bool is_balanced(Simulator& simulator,
+                                  const Scene& scene,
+                                  const StepReport& report) {
+    const ContactSettings& contact = scene.contact;
+    const SolverSettings& solver = scene.solver;
+    if (report.outcome != Outcome::Converged || !report.message.empty()
+        || solver.gap_tolerance <= 0.0 || solver.gradient_tolerance > 0.0
+        || !solver.tolerance_per_step.empty()
+        || contact.friction_iterations != kFrictionAsNeeded)
+        return true;
+    const double share =
+        solver.gap_tolerance + contact.friction_tolerance + report.lag_change;
+    return unbalanced(simulator.topology(),
+                      simulator.net_forces(),
+                      simulator.fields().contact_force,
+                      simulator.resolved().tolerance * scene.dt,
+                      scene.dt,
+                      share)
+        <= 1.0;
+}
+
+}  // namespace
+
 StepReport Simulator::step(const std::atomic<bool>* stop) {
     const auto start = std::chrono::steady_clock::now();
     StepReport report = impl_->engine->step(stop);
     impl_->explain(report);
+    NOLI_DCHECK(is_balanced(*this, impl_->scene, report));
     if (impl_->options.verify && report.outcome != Outcome::Cancelled) {
         const VerifyReport exact = verify();
         for (const NetForce& net : net_forces()) {
@@ -251,7 +280,12 @@ Topology Simulator::topology() const {
 }
 
 std::vector<Vector3> Simulator::positions() const {
-    return to_arrays(impl_->engine->positions());
+    std::vector<Vector3> out = to_arrays(impl_->engine->positions());
+    const Vec3d& origin = impl_->model.origin;
+    if (max_abs(origin) == 0.0) return out;  // 0 + -0 would not be -0
+    for (Vector3& p : out)
+        p = {p[0] + origin.x, p[1] + origin.y, p[2] + origin.z};
+    return out;
 }
 std::vector<Vector3> Simulator::velocities() const {
     return to_arrays(impl_->engine->velocities());
@@ -303,9 +337,10 @@ Simulator::Balance Simulator::balance() {
     for (std::size_t v = 0; v < state.x.size(); ++v) {
         const double m = impl_->model.mass[v];
         out.kinetic += 0.5 * m * norm_sq(state.v[v]);
-        out.gravitational -= m * dot(Vec3d{g[0], g[1], g[2]}, state.x[v]);
+        const Vec3d at = in_world(impl_->model, state.x[v]);
+        out.gravitational -= m * dot(Vec3d{g[0], g[1], g[2]}, at);
         linear += m * state.v[v];
-        angular += m * cross(state.x[v], state.v[v]);
+        angular += m * cross(at, state.v[v]);
     }
     out.elastic = impl_->engine->elastic_energy();
     out.contact = impl_->engine->barrier_energy();

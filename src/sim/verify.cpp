@@ -4,6 +4,7 @@
 #include "contact/intersections.hpp"
 #include "energy/barrier.hpp"
 #include "exec/cpu.hpp"
+#include "model/origin.hpp"
 #include "sim/beyond_walls.hpp"
 #include "step/collision.hpp"
 
@@ -76,9 +77,10 @@ struct Verifier::Impl {
               const std::string& other) const {
         ++report.num_intersections;
         if (report.intersections.size() == kMaxListed) return;
+        const Vec3d at = in_world(model, place);
         report.intersections.push_back({{edge[0], edge[1]},
                                         {triangle[0], triangle[1], triangle[2]},
-                                        {place.x, place.y, place.z},
+                                        {at.x, at.y, at.z},
                                         body(edge[0]),
                                         other});
     }

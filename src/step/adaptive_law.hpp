@@ -28,6 +28,7 @@ class AdaptiveLaw {
     void begin_step() {
         law_.hessian = hessian_of(settings_.contact.hessian);
         last_gap_ = HUGE_VAL;
+        dives_ = 0;
     }
 
     [[nodiscard]] const ContactLaw& current() const { return law_; }
@@ -37,14 +38,19 @@ class AdaptiveLaw {
     void set_kappa(double kappa) { law_.barrier.kappa = kappa; }
 
     /// Looks at the smallest distance (m) of an accepted state. Where it is tiny and
-    /// still shrinks, kappa rises to what would carry the present force at a gap of
-    /// kWantedGap dhat, ten times at most: a step shrinks no gap more than five times, so
-    /// kappa keeps up. Returns true if it changed.
+    /// still shrinks, or where it dives (halves at least, kDives times in a row, as only
+    /// the step bound lets it: nothing that the barrier does is felt), kappa rises to
+    /// what would carry the present force at a gap of kWantedGap dhat, ten times at most:
+    /// a step shrinks no gap more than five times, so kappa keeps up. Returns true if it
+    /// changed.
     bool stiffen(double gap) {
         gap -= settings_.contact.min_separation;
         const double kappa = law_.barrier.kappa;
-        const bool stiffer = adapts() && gap > 0.0 && gap < kTinyGap * settings_.dhat
-                          && gap < last_gap_ && kappa < range_.high;
+        const bool dives = gap < kDivingGap * settings_.dhat && gap < 0.5 * last_gap_;
+        dives_ = dives ? dives_ + 1 : 0;
+        const bool tiny = gap < kTinyGap * settings_.dhat && gap < last_gap_;
+        const bool stiffer =
+            adapts() && gap > 0.0 && (tiny || dives_ >= kDives) && kappa < range_.high;
         if (stiffer) {
             const auto slope = [&](double d) {
                 return barrier_slope(law_.barrier.exponent, d, settings_.dhat);
@@ -72,6 +78,7 @@ class AdaptiveLaw {
     StiffnessRange range_;
     ContactLaw law_{};
     double last_gap_ = HUGE_VAL;
+    int dives_ = 0;  ///< iterations in a row in which the smallest gap has dived
 };
 
 }  // namespace noli

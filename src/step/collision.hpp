@@ -8,7 +8,9 @@
 #include "contact/min_gap.hpp"
 #include "contact/pairs.hpp"
 #include "contact/step_bound.hpp"
+#include "energy/barrier_params.hpp"
 #include "model/model.hpp"
+#include "step/force_change.hpp"
 #include "step/settings.hpp"
 #include "step/touching.hpp"
 
@@ -108,6 +110,12 @@ class Collision {
                      View<const Vec3d> moved) {
         return largest_gap_change_later(
             exec, mesh_, pairs, x, moved, min_separation_, change_work_);
+    }
+
+    /// The same of the normal forces, after gap_change.
+    ForceChangeLater force_change(Exec& exec, const BarrierParams& barrier) {
+        return force_change_later(
+            exec, change_work_, barrier.exponent, barrier.dhat, min_separation_);
     }
 
     /// The pairs one by one, for reports.

@@ -10,7 +10,8 @@
 ///     serve the step bound and all line-search trials.
 ///
 /// An iteration: assemble (newton_state.hpp), find the direction (newton_direction.hpp),
-/// bound the step and search along it (newton_search.hpp), judge what came of it (here).
+/// see whether it may be the last (newton_end.hpp), bound the step and search along it
+/// (newton_search.hpp), judge what came of it (here).
 
 #include "noli/simulator.hpp"
 
@@ -18,13 +19,12 @@
 #include "step/boundary_pace.hpp"
 #include "step/boundary_path.hpp"
 #include "step/newton_direction.hpp"
+#include "step/newton_end.hpp"
 #include "step/newton_search.hpp"
 #include "step/newton_state.hpp"
 #include "step/projection.hpp"
 #include "step/stiffness.hpp"
 #include "step/trouble.hpp"
-
-#include <vector>
 
 namespace noli {
 
@@ -40,7 +40,8 @@ class Newton {
           settings_(settings),
           state_(exec, model, pattern, settings),
           direction_(exec, model, settings, state_),
-          search_(exec, model, settings, state_) {
+          search_(exec, model, settings, state_),
+          end_(exec, model, settings, state_, direction_) {
         exec.upload(model.obstacle, obstacle_);
     }
     /// Its parts point to each other.
@@ -107,7 +108,9 @@ class Newton {
         state_.objective.sum_friction(exec_, friction_before_);
         lag_friction_at(x);
         state_.objective.sum_friction(exec_, friction_after_);
-        return friction_change(friction_before_, friction_after_);
+        return friction_change(exec_,
+                               View<const double>(friction_before_.view()),
+                               View<const double>(friction_after_.view()));
     }
 
     /// Minimises the incremental potential from x, with prescribed vertices going along
@@ -120,7 +123,7 @@ class Newton {
         stall_ = {};
         pace_ = {};
         state_.energy_known = false;
-        undecided_ = 0;
+        end_.begin();
         projection_.begin(settings_.solver.projection == HessianProjection::Always);
         for (int k = 0; k < settings_.solver.max_newton; ++k) {
             if (is_set(settings_.stop)) return cancelled(report.newton, report);
@@ -234,8 +237,7 @@ class Newton {
             return {true, Outcome::NumericalTrouble};
         }
         const bool converged =
-            may_end && small_enough(record, tolerance) && gaps_have_settled(x, report)
-            && friction_is_decided(x, tolerance, exec_.value(figures.unrest), report);
+            may_end && end_.reached(x, figures, tolerance, record, report);
         report.direction_ratio = record.direction / (tolerance * settings_.dt);
         search_.bound_step(x, figures.inversion, record, report);
         const bool moved = go_along(x, figures, tolerance, converged, record, report);
@@ -252,8 +254,8 @@ class Newton {
     }
 
     /// Searches along the direction. Where one that turns pieces does not lower the
-    /// energy at once, shorter turns are tried, and then the straight direction. False if
-    /// no step was found.
+    /// energy at once, shorter turns are tried, and then the straight direction; that at
+    /// once where a contact stops the turn. False if no step was found.
     bool go_along(View<Vec3d> x,
                   const DirectionFigures& figures,
                   double tolerance,
@@ -262,14 +264,17 @@ class Newton {
                   StepReport& report) {
         double slope = exec_.value(figures.slope);
         if (direction_.is_turned()) {
-            if (search_.search(x, false, slope, 1, record, report)) return true;
-            for (const double share : {0.25, 0.0625}) {
-                direction_.shorten(x, share);
-                slope = bound_again(x, tolerance, record, report);
-                if (!search_.search(x, false, slope, 1, record, report)) continue;
-                record.step *= share;
+            const bool is_stopped = record.step_bound < kStoppedTurn || !(slope < 0.0);
+            if (!is_stopped && search_.search(x, false, slope, 1, record, report))
                 return true;
-            }
+            if (!is_stopped && direction_.turns_far())
+                for (const double share : {0.25, 0.0625}) {
+                    direction_.shorten(x, share);
+                    slope = bound_again(x, tolerance, record, report);
+                    if (!search_.search(x, false, slope, 1, record, report)) continue;
+                    record.step *= share;
+                    return true;
+                }
             direction_.straighten();
             slope = bound_again(x, tolerance, record, report);
         }
@@ -292,43 +297,6 @@ class Newton {
         report.message =
             "given up on request after " + std::to_string(done) + " Newton iterations";
         return Outcome::Cancelled;
-    }
-
-    /// The stopping test on the direction, or on the gradient if the settings say so.
-    /// Source: MATH 8 (direction); supplement 9 (gradient).
-    [[nodiscard]] bool small_enough(const IterationRecord& record,
-                                    double tolerance) const {
-        const double bound = settings_.solver.gradient_tolerance;
-        if (bound <= 0.0) return record.direction < tolerance * settings_.dt;
-        return record.gradient
-            <= bound * settings_.diagonal * settings_.dt * settings_.dt;
-    }
-
-    /// True if the direction just found changes no gap by more than gap_tolerance: normal
-    /// forces, and friction with them, depend on the gaps alone.
-    bool gaps_have_settled(View<const Vec3d> x, StepReport& report) {
-        const double bound = settings_.solver.gap_tolerance;
-        report.gap_change = 0.0;
-        if (bound <= 0.0 || state_.pairs.size() == 0) return true;
-        const PhaseTimer timer(report.t_ccd);
-        const View<Vec3d> moved = state_.x_trial.view();
-        detail::trial_point(exec_, x, View<const Vec3d>(state_.p.view()), 1.0, moved);
-        report.gap_change = exec_.value(state_.collision.gap_change(
-            exec_, state_.pairs, x, View<const Vec3d>(moved)));
-        return report.gap_change <= bound;
-    }
-
-    /// True if it is decided which pairs stick, or if that has been all that was missing
-    /// for kMostUndecided iterations: two pairs may pass a slip to and fro for ever.
-    bool friction_is_decided(View<const Vec3d> x,
-                             double tolerance,
-                             double unrest,
-                             StepReport& report) {
-        if (unrest <= kFrictionUnrest) return true;
-        if (++undecided_ < kMostUndecided) return false;
-        report.message =
-            describe_undecided(model_, direction_.least_settled(x, tolerance, unrest));
-        return true;
     }
 
     /// Prescribed vertices of elastic bodies that something blocks are held by springs
@@ -366,13 +334,14 @@ class Newton {
     NewtonState<Exec> state_;
     NewtonDirection<Exec> direction_;
     NewtonSearch<Exec> search_;
+    NewtonEnd<Exec> end_;
     StallDetector stall_;
     BoundaryPace pace_;
     ProjectionOnDemand projection_;
-    std::vector<double> friction_before_, friction_after_;  ///< per body
+    typename Exec::template Buffer<double> friction_before_,
+        friction_after_;  ///< per body
     typename Exec::template Buffer<std::uint8_t> obstacle_;
     bool yielded_ = false;
-    int undecided_ = 0;  ///< iterations that lacked nothing but decided friction
 };
 
 }  // namespace noli

@@ -9,6 +9,7 @@
 #include "step/newton_state.hpp"
 #include "step/retraction.hpp"
 #include "step/sound_travel.hpp"
+#include "step/touching.hpp"
 
 #include <algorithm>
 
@@ -33,6 +34,7 @@ class NewtonDirection {
           solver_(model, settings.dt, settings.solver.linear),
           retraction_(exec, model) {
         straight_.resize(model.num_vertices);
+        touched_.resize(model.num_bodies());
         by_warps_ = settings.solver.contact_product == ContactProduct::Warp;
         use_coarse_ = settings.solver.linear != LinearSolver::BlockJacobi;
     }
@@ -73,11 +75,8 @@ class NewtonDirection {
         is_turned_ = false;
         if (solved.ok && state_.axes.size == 0) {
             exec_.copy(View<const Vec3d>(state_.p.view()), straight_.view());
-            turn_ = retraction_.correct(exec_,
-                                        state_.objective.device().mass.view(),
-                                        state_.fixed,
-                                        x,
-                                        state_.p.view());
+            find_touched();
+            turn_ = retraction_.correct(exec_, turning(), x, 1.0, state_.p.view());
             is_turned_ = true;
         }
         ++report.newton;
@@ -106,23 +105,26 @@ class NewtonDirection {
         out.inversion = objective.inversion_bound_along(exec_, x, p, kKeepVolume);
         state_.collision.look_along(exec_, x, p);
         record.direction = exec_.value(size);
-        if (is_turned_)
-            is_turned_ = exec_.value(turn_) > kTurnThatCounts * record.direction;
+        if (is_turned_) {
+            const double correction = exec_.value(turn_);
+            is_turned_ = correction > 0.0;
+            turns_far_ = correction > kFarTurn * record.direction;
+        }
         record.gradient = exec_.value(out.gradient);
         return out;
     }
 
-    /// Whether the direction has been corrected for turning pieces, by so much that it is
-    /// another one.
+    /// Whether the direction has been corrected for turning pieces.
     [[nodiscard]] bool is_turned() const { return is_turned_; }
+    /// By so much that a shorter turn is another direction.
+    [[nodiscard]] bool turns_far() const { return is_turned_ && turns_far_; }
     /// Takes a share of the direction, turned anew. What was measured is to be measured
     /// again.
     void shorten(View<const Vec3d> x, double share) {
         const View<Vec3d> p = state_.p.view();
         detail::set_zero(exec_, p);
         detail::add_scaled(exec_, share, View<const Vec3d>(straight_.view()), p);
-        retraction_.correct(
-            exec_, state_.objective.device().mass.view(), state_.fixed, x, p);
+        retraction_.correct(exec_, turning(), x, share, p);
     }
     /// Takes that back. What was measured is to be measured again.
     void straighten() {
@@ -140,6 +142,23 @@ class NewtonDirection {
     }
 
   private:
+    /// Bodies with an active pair.
+    void find_touched() {
+        detail::clear_marks(exec_, touched_.view());
+        const detail::PairSetReader pairs = state_.collision.reader(state_.pairs);
+        if (pairs.size() > 0)
+            detail::mark_bodies(
+                exec_, pairs, state_.objective.device().body.view(), touched_.view());
+    }
+
+    [[nodiscard]] RetractionInput turning() const {
+        return {state_.objective.inertia_diagonal(),
+                state_.fixed,
+                state_.objective.gradient(),
+                state_.objective.device().body.view(),
+                View<const std::uint8_t>(touched_.view())};
+    }
+
     /// mu lambda_N of friction that has no say in where Newton may end, kg m.
     [[nodiscard]] double weak_friction(double tolerance) const {
         return 0.01 * tolerance * settings_.dt * settings_.mean_mass;
@@ -198,11 +217,12 @@ class NewtonDirection {
     const StepSettings& settings_;
     NewtonState<Exec>& state_;
     DirectionSolver<Exec> solver_;
-    static constexpr double kTurnThatCounts = 1e-3;  ///< of the direction
+    static constexpr double kFarTurn = 1e-3;  ///< of the direction
     Retraction<Exec> retraction_;
     typename Exec::template Buffer<Vec3d> straight_;  ///< the direction without it
+    typename Exec::template Buffer<std::uint8_t> touched_;
     Later turn_;
-    bool is_turned_ = false;
+    bool is_turned_ = false, turns_far_ = false;
     bool use_coarse_ = false;  ///< rigid modes in the linear solver
     bool by_warps_ = false;    ///< contacts multiplied as in the supplement
 };

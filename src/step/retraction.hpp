@@ -9,96 +9,34 @@
 ///
 ///     p_i += (exp(w) - 1 - w x) r_i,   w = I^-1 sum_i m_i r_i x p_i
 ///
-/// I is the piece's tensor of inertia, r_i the position from its centre. The correction
-/// is of second order: it changes neither the end of Newton's method nor the momentum.
-/// Where it does not pay, against a contact say, Newton goes along the uncorrected
-/// direction. Source: retraction of a step onto rotations, [Absil2008] 4.1; here of every
-/// connected piece without prescribed vertices.
+/// I is the piece's tensor of inertia, r_i the position from its centre. Where no contact
+/// acts on the piece, w is what inertia makes of its net torque, I^-1 sum_i r_i x -g_i,
+/// and likewise its shift: neither changes elastic energy, but the Hessian of a stressed
+/// body resists turns, and of a small stiff body rounding alone holds it more than
+/// inertia does. The bending to a rotation is of second
+/// order: it changes neither the end of Newton's method nor the momentum. It
+/// may be many times a gap all the same, and lead into the contact that the direction
+/// avoids; then Newton goes along the uncorrected direction, and a piece that turns by
+/// less than kLeastTurn is not corrected at all. Source: retraction of a step onto
+/// rotations, [Absil2008] 4.1; here of every connected piece that can turn: about its
+/// centre of mass where nothing of it is prescribed, about a prescribed point or line of
+/// it, a hinge, that does not turn itself (piece_turn.hpp).
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
 #include "exec/later.hpp"
 #include "linear/rigid_aggregates.hpp"
 #include "model/model.hpp"
+#include "step/piece_turn.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 namespace noli {
 
-/// What turns a piece: about its centre of mass, by |turn| radians.
-struct PieceTurn {
-    Vec3d center;  ///< m
-    Vec3d turn;    ///< rotation vector; 0 where the piece is held
-};
-
 namespace detail {
-
-/// Sums over some vertices of a piece; positions from the piece's first vertex.
-struct TurnSums {
-    double mass;
-    Vec3d moment;        ///< m r
-    Vec3d displacement;  ///< m p
-    Vec3d spin;          ///< m r x p
-    double square[6];    ///< m r r^T: xx yy zz xy xz yz
-    int held;            ///< prescribed vertices
-
-    NOLI_HD void add(double m, const Vec3d& r, const Vec3d& p, bool is_held) {
-        mass += m;
-        moment += m * r;
-        displacement += m * p;
-        spin += m * cross(r, p);
-        square[0] += m * r.x * r.x;
-        square[1] += m * r.y * r.y;
-        square[2] += m * r.z * r.z;
-        square[3] += m * r.x * r.y;
-        square[4] += m * r.x * r.z;
-        square[5] += m * r.y * r.z;
-        held += is_held ? 1 : 0;
-    }
-    NOLI_HD void add(const TurnSums& b) {
-        mass += b.mass;
-        moment += b.moment;
-        displacement += b.displacement;
-        spin += b.spin;
-        for (int k = 0; k < 6; ++k)
-            square[k] += b.square[k];
-        held += b.held;
-    }
-
-    /// Rotation vector about the centre of mass.
-    [[nodiscard]] NOLI_HD PieceTurn turn(const Vec3d& origin) const {
-        if (held > 0 || !(mass > 0.0)) return {origin, {0.0, 0.0, 0.0}};
-        const Vec3d c = (1.0 / mass) * moment;
-        const Vec3d spin_about_c = spin - cross(c, displacement);
-        const double xx = square[0] - mass * c.x * c.x;
-        const double yy = square[1] - mass * c.y * c.y;
-        const double zz = square[2] - mass * c.z * c.z;
-        const double xy = square[3] - mass * c.x * c.y;
-        const double xz = square[4] - mass * c.x * c.z;
-        const double yz = square[5] - mass * c.y * c.z;
-        const Mat3d inertia{yy + zz, -xy, -xz, -xy, xx + zz, -yz, -xz, -yz, xx + yy};
-        const double size = xx + yy + zz;
-        if (!(det(inertia) > 1e-12 * size * size * size)) return {origin + c, {0, 0, 0}};
-        return {origin + c, inverse(inertia) * spin_about_c};
-    }
-};
-
-/// (exp(w) - 1 - w x) r
-NOLI_HD inline Vec3d turn_correction(const Vec3d& w, const Vec3d& r) {
-    const double angle_sq = norm_sq(w);
-    const double angle = std::sqrt(angle_sq);
-    const bool small = angle < 1e-3;
-    // sin(a)/a - 1 and (1 - cos(a))/a^2
-    const double first = small ? -angle_sq / 6.0 : std::sin(angle) / angle - 1.0;
-    const double half = small ? 0.5 : std::sin(0.5 * angle) / angle;
-    const double second = small ? 0.5 - angle_sq / 24.0 : 2.0 * half * half;
-    const Vec3d across = cross(w, r);
-    return first * across + second * cross(w, across);
-}
 
 /// A run of the members of a piece.
 struct PieceChunk {
@@ -114,6 +52,7 @@ void sum_turns(Exec& exec,
                View<const std::uint8_t> fixed,
                View<const Vec3d> x,
                View<const Vec3d> p,
+               View<const Vec3d> gradient,
                View<TurnSums> out) {
     exec.for_each("step/sum_turns", chunks.size, [=] NOLI_HD(int c) {
         const PieceChunk chunk = chunks[c];
@@ -121,7 +60,7 @@ void sum_turns(Exec& exec,
         TurnSums sums{};
         for (int k = chunk.begin; k < chunk.end; ++k) {
             const int v = members[k];
-            sums.add(mass[v], x[v] - origin, p[v], fixed[v] != 0);
+            sums.add(mass[v], x[v] - origin, p[v], gradient[v], fixed[v] != 0);
         }
         out[c] = sums;
     });
@@ -134,33 +73,50 @@ void find_turns(Exec& exec,
                 View<const int> members,
                 View<const int> first_member,
                 View<const Vec3d> x,
+                View<const int> body,
+                View<const std::uint8_t> touched,
+                double share,
                 View<PieceTurn> out) {
     exec.for_each("step/find_turns", out.size, [=] NOLI_HD(int piece) {
         TurnSums total{};
         for (int c = first_chunk[piece]; c < first_chunk[piece + 1]; ++c)
             total.add(sums[c]);
-        out[piece] = total.turn(x[members[first_member[piece]]]);
+        const int v = members[first_member[piece]];
+        out[piece] = total.turn(x[v], touched[body[v]] != 0, share);
     });
 }
 
-/// p += corrections; returns the largest component of one.
+/// p += corrections; returns the largest component of one, 0 if there is none.
 template <class Exec>
 Later apply_turns(Exec& exec,
                   View<const int> piece_of_vertex,
                   View<const PieceTurn> turns,
+                  View<const std::uint8_t> fixed,
                   View<const Vec3d> x,
                   View<Vec3d> p) {
     return exec.max_later("step/apply_turns", p.size, [=] NOLI_HD(int v) {
         const int piece = piece_of_vertex[v];
-        if (piece < 0) return 0.0;
+        if (piece < 0 || fixed[v]) return 0.0;
         const PieceTurn& turn = turns[piece];
-        const Vec3d correction = turn_correction(turn.turn, x[v] - turn.center);
+        if (!turn.corrects()) return 0.0;
+        const Vec3d r = x[v] - turn.center;
+        const Vec3d correction = turn.missing_shift + cross(turn.missing_turn, r)
+                               + turn_correction(turn.turn, r);
         p[v] += correction;
         return max_abs(correction);
     });
 }
 
 }  // namespace detail
+
+/// What a direction was solved for.
+struct RetractionInput {
+    View<const double> inertia;        ///< per vertex, kg: its share of the Hessian
+    View<const std::uint8_t> fixed;    ///< prescribed vertices stay as they are
+    View<const Vec3d> gradient;        ///< J/m times dt^2
+    View<const int> body;              ///< per vertex
+    View<const std::uint8_t> touched;  ///< per body: 1 = contacts act on it
+};
 
 template <class Exec>
 class Retraction {
@@ -174,22 +130,23 @@ class Retraction {
         upload(exec, pieces);
     }
 
-    /// Corrects the direction p (m) at x. Vertices of `fixed` are prescribed; their
-    /// pieces are left alone. Returns the largest component of a correction, m.
+    /// Corrects the direction p (m) at x, a `share` of the one that was solved for.
+    /// Returns the largest component of a correction, m.
     Later correct(Exec& exec,
-                  View<const double> mass,
-                  View<const std::uint8_t> fixed,
+                  const RetractionInput& in,
                   View<const Vec3d> x,
+                  double share,
                   View<Vec3d> p) {
         if (turns_.size() == 0) return {-1, 0.0};
         detail::sum_turns(exec,
                           View<const detail::PieceChunk>(chunks_.view()),
                           View<const int>(members_.view()),
                           View<const int>(first_member_.view()),
-                          mass,
-                          fixed,
+                          in.inertia,
+                          in.fixed,
                           x,
                           View<const Vec3d>(p),
+                          in.gradient,
                           sums_.view());
         detail::find_turns(exec,
                            View<const int>(first_chunk_.view()),
@@ -197,10 +154,14 @@ class Retraction {
                            View<const int>(members_.view()),
                            View<const int>(first_member_.view()),
                            x,
+                           in.body,
+                           in.touched,
+                           share,
                            turns_.view());
         return detail::apply_turns(exec,
                                    View<const int>(piece_of_vertex_.view()),
                                    View<const PieceTurn>(turns_.view()),
+                                   in.fixed,
                                    x,
                                    p);
     }

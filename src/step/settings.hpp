@@ -55,11 +55,16 @@ inline constexpr double kRoughDirection =
 inline constexpr double kRoughAfterFullStep =
     1e-1;  ///< the same after an iteration that nothing cut short
 inline constexpr double kFineDirection = 1e-3;  ///< of one that may be
+inline constexpr double kStoppedTurn =
+    0.1;  ///< a shorter bound of a direction that turns pieces: the straight one is taken
 inline constexpr int kShortStepsBeforeSwitch =
     5;  ///< then a stronger contact Hessian is tried
 inline constexpr int kShortStepsBeforeStall = 60;  ///< then the step ends as stalled
 inline constexpr double kTinyGap = 1e-6;           ///< of dhat: below it kappa rises
-inline constexpr double kMostRise = 10.0;          ///< of kappa in an iteration
+inline constexpr double kDivingGap = 1e-3;  ///< of dhat: below it kappa rises where
+                                            ///< the gap dives
+inline constexpr int kDives = 3;            ///< so often in a row
+inline constexpr double kMostRise = 10.0;   ///< of kappa in an iteration
 inline constexpr double kWantedGap =
     1e-3;  ///< of dhat: where the risen kappa is to carry the force
 

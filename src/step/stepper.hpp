@@ -6,6 +6,7 @@
 #include "model/boundary.hpp"
 #include "step/boundary_upload.hpp"
 #include "step/first_guess.hpp"
+#include "step/friction_lag.hpp"
 #include "step/integrator.hpp"
 #include "step/newton.hpp"
 
@@ -15,10 +16,6 @@ namespace noli {
 
 inline constexpr double kYieldShare =
     0.25;  ///< of its motion that a blocked prescribed vertex may lack
-inline constexpr int kMaxFrictionUpdates =
-    100;  ///< where friction_iterations = until convergence
-inline constexpr int kFrictionUpdatesAsNeeded =
-    4;  ///< at most, where friction_iterations = as needed
 
 /// Up to here a step begins on one thread: with so few vertices more are seldom faster.
 inline constexpr int kFewVertices = 120;
@@ -70,6 +67,7 @@ class Stepper {
           script_(model, gravity),
           newton_(exec, model, pattern, settings_),
           touching_(exec, model),
+          friction_lag_(settings_),
           sharing_(model.num_vertices <= kFewVertices, kLongNewton) {
         const std::size_t n = static_cast<std::size_t>(model.num_vertices);
         StepState start;
@@ -281,7 +279,6 @@ class Stepper {
     /// more, or while the forces of the last lag differ from those at its end.
     Outcome solve(StepReport& report) {
         const double tolerance = model_.tolerance(settings_.solver, steps_);
-        const int limit = most_friction_updates();
         BoundaryPath path(on_device_.path(), static_cast<int>(boundary_.path.size()));
         if (settings_.solver.start == NewtonStart::Extrapolated && path.is_one_leg()
             && on_device_.axes().size == 0)
@@ -300,7 +297,9 @@ class Stepper {
                 --lag;
                 continue;
             }
-            if (!wants_another_lag(lag, limit, report.newton - before, report))
+            if (!friction_lag_.again(lag, report.newton - before, report, [&] {
+                    return newton_.lag_friction_again_at(x_new_.view());
+                }))
                 return outcome;
         }
     }
@@ -319,25 +318,6 @@ class Stepper {
                          boundary_.num_prescribed > 0,
                          x_new_.view(),
                          report);
-    }
-
-    [[nodiscard]] int most_friction_updates() const {
-        if (!settings_.has_friction) return 1;
-        const int asked = settings_.contact.friction_iterations;
-        if (asked == kFrictionAsNeeded) return kFrictionUpdatesAsNeeded;
-        return asked > 0 ? asked : kMaxFrictionUpdates;
-    }
-
-    /// After update number `lag` (0 first) and `iterations` of Newton with it: freezes
-    /// friction anew and returns true where the minimisation is to be repeated.
-    bool wants_another_lag(int lag, int limit, int iterations, StepReport& report) {
-        const int asked = settings_.contact.friction_iterations;
-        if (!settings_.has_friction) return false;
-        if (asked == 0 && lag > 0 && iterations == 1) return false;
-        if (asked >= 0 && lag + 1 >= limit) return false;
-        report.lag_change = newton_.lag_friction_again_at(x_new_.view());
-        if (lag + 1 >= limit) return false;
-        return asked >= 0 || report.lag_change > settings_.contact.friction_tolerance;
     }
 
     /// How far prescribed vertices stayed behind; too far is a blocked boundary.
@@ -391,6 +371,7 @@ class Stepper {
     Newton<Exec> newton_;
     Touching<Exec> touching_;
     bool some_touch_ = false;  ///< of the elastic bodies, in this step
+    FrictionLag friction_lag_;
     SharingOfSteps sharing_;
     MotionState<Exec> motion_;
     BoundaryUpload<Exec> on_device_;

@@ -17,6 +17,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <map>
+#include <string>
 
 namespace noli::accuracy {
 
@@ -32,6 +34,8 @@ struct Spec {
     std::function<void(Lab&)> run;
     /// Every so many cases of the covering set run again with a tighter tolerance.
     int tighten_every = 4;
+    /// Cases that are known to be wrong, by name, and why. They run and are in the table.
+    std::map<std::string, std::string> known = {};
 };
 
 namespace detail {
@@ -95,8 +99,9 @@ inline std::string reproduce(const Spec& spec, const Case& at) {
 inline void check_case(const Spec& spec, const Case& at, bool tighten) {
     Lab lab(at, false);
     spec.run(lab);
+    const bool is_known = spec.known.count(name_of(at)) > 0;
     if (!lab.failed.empty()) {
-        ADD_FAILURE() << reproduce(spec, at) << ": " << lab.failed;
+        if (!is_known) ADD_FAILURE() << reproduce(spec, at) << ": " << lab.failed;
         write_line("ACCURACY-FAILED\t" + spec.name + "\t" + name_of(at) + "\t"
                    + lab.failed);
         return;
@@ -104,19 +109,20 @@ inline void check_case(const Spec& spec, const Case& at, bool tighten) {
     ASSERT_FALSE(lab.measured.empty()) << reproduce(spec, at);
     Lab tight(at, true);
     if (tighten) spec.run(tight);
-    if (!tight.failed.empty())
+    if (!tight.failed.empty() && !is_known)
         ADD_FAILURE() << reproduce(spec, at) << ", tighter: " << tight.failed;
     for (std::size_t k = 0; k < lab.measured.size(); ++k) {
         const Measured& m = lab.measured[k];
         const double shift = tighten ? moved(lab, tight, k) : -1.0;
         const bool right = m.error() <= kBound + m.own;  // false for NaN
         const bool firm = shift <= kBound;
-        EXPECT_TRUE(right) << reproduce(spec, at) << ": " << m.what << " expected "
-                           << m.expected << ", found " << m.found << ", off by "
-                           << 100 * m.error() << " % of " << m.scale
-                           << ", own error of the model " << 100 * m.own << " %";
-        EXPECT_TRUE(firm) << reproduce(spec, at) << ": tightening moves " << m.what
-                          << " from " << m.found << " by " << 100 * shift << " %";
+        EXPECT_TRUE(right || is_known)
+            << reproduce(spec, at) << ": " << m.what << " expected " << m.expected
+            << ", found " << m.found << ", off by " << 100 * m.error() << " % of "
+            << m.scale << ", own error of the model " << 100 * m.own << " %";
+        EXPECT_TRUE(firm || is_known)
+            << reproduce(spec, at) << ": tightening moves " << m.what << " from "
+            << m.found << " by " << 100 * shift << " %";
         write_line(line_of(spec, lab, m, shift, right && firm ? "ok" : "FAIL"));
     }
 }

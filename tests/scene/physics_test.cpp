@@ -273,8 +273,8 @@ TEST(Energy, NeverGrowsWithoutWork) {
 void expect_violent_twist_is_clean(Material::Model model) {
     Scene scene;
     scene.name = "violent twist";
-    // Looser than the defaults, at which the third step of stable neo-Hookean does not end
-    // within max_newton: what is asked here is that nothing inverts.
+    // Looser than the defaults, at which the third step of stable neo-Hookean does not
+    // end within max_newton: what is asked here is that nothing inverts.
     scene.solver.tolerance = 1e-2;
     scene.solver.gap_tolerance = 0.0;
     scene.solver.pcg_tolerance = 1e-4;

@@ -18,6 +18,10 @@ struct TwoPieces {
     Model model;
     std::vector<Vec3d> x;
     std::vector<std::uint8_t> fixed;
+    std::vector<Vec3d> gradient{9, {0.0, 0.0, 0.0}};
+    std::vector<int> body{0, 0, 0, 0, 1, 1, 1, 1, 1};
+    std::vector<std::uint8_t> touched{1, 1};
+    double share = 1.0;
 
     TwoPieces() {
         std::mt19937 random(1);
@@ -35,11 +39,12 @@ struct TwoPieces {
 
     std::vector<Vec3d> corrected(std::vector<Vec3d> p) {
         Retraction<CpuExec> retraction(exec, model);
-        retraction.correct(exec,
-                           {model.mass.data(), 9},
-                           {fixed.data(), 9},
-                           {x.data(), 9},
-                           {p.data(), 9});
+        const RetractionInput in{{model.mass.data(), 9},
+                                 {fixed.data(), 9},
+                                 {gradient.data(), 9},
+                                 {body.data(), 9},
+                                 {touched.data(), 2}};
+        retraction.correct(exec, in, {x.data(), 9}, share, {p.data(), 9});
         return p;
     }
 
@@ -99,21 +104,112 @@ TEST(Retraction, ChangesADirectionToSecondOrderAndNotItsMomentum) {
             momentum += pieces.model.mass[v] * (out[v] - small[v]);
         }
         EXPECT_LE(norm(momentum), 1e-14 * size);
-        if (before > 0.0) EXPECT_NEAR(before / change, 100.0, 5.0);
+        if (before > 0.0) {
+            EXPECT_NEAR(before / change, 100.0, 5.0);
+        }
         before = change;
     }
 }
 
-TEST(Retraction, LeavesPiecesWithPrescribedVerticesAlone) {
-    TwoPieces pieces;
-    pieces.fixed[2] = 1;
+/// A direction that turns the first piece by `turn` about its first vertex and moves it
+/// by `shift`.
+std::vector<Vec3d> turned_about_first(TwoPieces& pieces,
+                                      const Vec3d& turn,
+                                      const Vec3d& shift) {
     std::vector<Vec3d> p(9, {0.0, 0.0, 0.0});
-    for (std::size_t v = 0; v < 8; ++v)
-        p[v] = cross(Vec3d{0.3, 0.0, 0.2}, pieces.x[v]);
-    const std::vector<Vec3d> out = pieces.corrected(p);
+    for (std::size_t v = 0; v < 4; ++v)
+        p[v] = shift + cross(turn, pieces.x[v] - pieces.x[0]);
+    return p;
+}
+
+double largest_stretch(const TwoPieces& pieces, const std::vector<Vec3d>& p) {
+    double largest = 0.0;
+    for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            largest = std::max(largest,
+                               std::fabs(norm(pieces.x[a] + p[a] - pieces.x[b] - p[b])
+                                         - norm(pieces.x[a] - pieces.x[b])));
+    return largest;
+}
+
+TEST(Retraction, TurnsAPieceAboutTheVertexThatIsHeld) {
+    TwoPieces pieces;
+    pieces.fixed[0] = 1;
+    const Vec3d shift{0.2, 0.1, -0.3};
+    const auto p = turned_about_first(pieces, {0.3, -0.5, 0.2}, shift);
+    EXPECT_GT(largest_stretch(pieces, p), 1e-2);
+    const auto out = pieces.corrected(p);
+    EXPECT_LT(largest_stretch(pieces, out), 1e-13);
+    EXPECT_EQ(norm(out[0] - shift), 0.0);
+}
+
+TEST(Retraction, TurnsAPieceAboutTheEdgeThatIsHeldAndNoOtherWay) {
+    TwoPieces pieces;
+    pieces.fixed[0] = pieces.fixed[1] = 1;
+    Vec3d axis = pieces.x[1] - pieces.x[0];
+    axis = (1.0 / norm(axis)) * axis;
+    const auto out = pieces.corrected(turned_about_first(pieces, 0.6 * axis, {0, 0, 0}));
+    EXPECT_LT(largest_stretch(pieces, out), 1e-13);
+    // A direction that would move the edge is bent about the edge alone.
+    std::vector<Vec3d> p = turned_about_first(pieces, {0.3, -0.5, 0.2}, {0, 0, 0});
+    p[0] = p[1] = {0, 0, 0};
+    const auto bent = pieces.corrected(p);
+    EXPECT_EQ(norm(bent[0]) + norm(bent[1]), 0.0);
+}
+
+TEST(Retraction, LeavesAPieceAloneThatCannotTurn) {
+    TwoPieces pieces;
+    pieces.fixed[0] = pieces.fixed[1] = pieces.fixed[2] = 1;
+    const auto p = turned_about_first(pieces, {0.3, -0.5, 0.2}, {0, 0, 0});
+    const auto out = pieces.corrected(p);
     for (std::size_t v = 0; v < 4; ++v)
         EXPECT_EQ(norm(out[v] - p[v]), 0.0);
-    EXPECT_GT(norm(out[5] - p[5]), 1e-3);
+    // A hinge that turns itself is none.
+    pieces.fixed[2] = 0;
+    const auto turning = pieces.corrected(p);
+    for (std::size_t v = 0; v < 4; ++v)
+        EXPECT_EQ(norm(turning[v] - p[v]), 0.0);
+}
+
+TEST(Retraction, LeavesTurnsAloneThatStretchByLessThanRounding) {
+    TwoPieces pieces;
+    const auto p = turned_about_first(pieces, {3e-6, -5e-6, 2e-6}, {0.1, 0, 0});
+    const auto out = pieces.corrected(p);
+    for (std::size_t v = 0; v < 4; ++v)
+        EXPECT_EQ(norm(out[v] - p[v]), 0.0);
+}
+
+TEST(Retraction, TurnsAPieceThatNothingTouchesByWhatInertiaMakesOfTheTorque) {
+    TwoPieces pieces;
+    pieces.touched = {0, 1};
+    // The gradient of 1/2 sum m |x - x~|^2 for an x~ that is x turned by w, in first
+    // order, is -m w x r: inertia answers with w, whatever the direction says.
+    const Vec3d w{0.3, -0.5, 0.2};
+    for (std::size_t v = 0; v < 8; ++v)
+        pieces.gradient[v] = (-pieces.model.mass[v])
+                           * cross(w, pieces.x[v] - pieces.center(v < 4 ? 0 : 4));
+    // And of one shifted by `shift` besides.
+    const Vec3d shift{0.1, 0.2, -0.3};
+    for (std::size_t v = 0; v < 8; ++v)
+        pieces.gradient[v] += (-pieces.model.mass[v]) * shift;
+    const std::vector<Vec3d> none(9, {0.0, 0.0, 0.0});
+    for (const double share : {1.0, 0.25}) {
+        pieces.share = share;
+        const auto out = pieces.corrected(none);
+        const Vec3d turn = share * w;
+        const Eigen::AngleAxisd rotation(
+            norm(turn), Eigen::Vector3d(turn.x, turn.y, turn.z).normalized());
+        for (std::size_t v = 0; v < 4; ++v) {
+            const Vec3d r = pieces.x[v] - pieces.center(0);
+            const Eigen::Vector3d to = rotation * Eigen::Vector3d(r.x, r.y, r.z);
+            EXPECT_NEAR(norm(r + out[v] - share * shift - Vec3d{to.x(), to.y(), to.z()}),
+                        0.0,
+                        1e-12);
+        }
+        // The other one is touched: contacts may have turned it.
+        for (std::size_t v = 4; v < 8; ++v)
+            EXPECT_EQ(norm(out[v]), 0.0);
+    }
 }
 
 }  // namespace

@@ -167,6 +167,31 @@ TEST(AdaptiveLaw, RisesToWhatCarriesTheForceOfATinyGapTenTimesAtMost) {
     EXPECT_FALSE(law.stiffen(2e-9));  // it opens again
 }
 
+TEST(AdaptiveLaw, RisesWhereAGapDivesThreeTimesInARow) {
+    StepSettings settings;
+    settings.diagonal = 1.0;
+    settings.dhat = 1e-3;
+    settings.mean_mass = 1.0;
+    settings.dt = 0.01;
+    settings.vertex_force = 1e12;
+    AdaptiveLaw law(settings);
+    law.set_kappa(law.range().low);
+    const auto shrink = [&](std::vector<double> gaps) {
+        bool stiffer = false;
+        law.begin_step();
+        for (const double gap : gaps)
+            stiffer = law.stiffen(gap);
+        return stiffer;
+    };
+    // Every step takes four fifths of the gap: the barrier is not felt.
+    EXPECT_FALSE(shrink({5e-6, 9e-7, 1.8e-7}));
+    EXPECT_TRUE(shrink({5e-6, 9e-7, 1.8e-7, 3.6e-8}));
+    // It is felt; or the gap is not small yet; or it opens in between.
+    EXPECT_FALSE(shrink({5e-6, 9e-7, 1.8e-7, 1.2e-7}));
+    EXPECT_FALSE(shrink({5e-4, 1e-4, 2e-5, 4e-6}));
+    EXPECT_FALSE(shrink({9e-7, 1.8e-7, 2e-7, 9e-8, 3e-8}));
+}
+
 /// One free vertex under a constant acceleration, as the integrators see it.
 struct OneVertex {
     SerialExec exec;
