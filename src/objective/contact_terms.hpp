@@ -180,6 +180,9 @@ class ContactTerms {
 
     LowRankTerms<Exec>& terms() { return terms_; }
     [[nodiscard]] int num_friction_terms() const { return friction_.size(); }
+    [[nodiscard]] View<const FrictionTerm> friction_terms() const {
+        return friction_.view();
+    }
     /// Seconds of all fillings since the last call.
     ContactSeconds take_seconds() { return std::exchange(seconds_, {}); }
 

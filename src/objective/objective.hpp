@@ -239,9 +239,21 @@ class Objective {
     BlockMatrix<Exec>& matrix() { return matrix_; }
     LowRankTerms<Exec>& terms() { return contacts_.terms(); }
     /// Per vertex: the multiple of the identity in matrix() that inertia puts there.
+    [[nodiscard]] InertiaViews inertia() const {
+        return {mass_.view(),
+                weight_.view(),
+                fixed_,
+                x_tilde_.view(),
+                x_start_.view(),
+                scales_.mass_damping};
+    }
     [[nodiscard]] View<const double> inertia_diagonal() const { return diagonal_.view(); }
     [[nodiscard]] const DeviceModel<Exec>& device() const { return device_; }
     [[nodiscard]] const StepScales& scales() const { return scales_; }
+    /// Of the pairs that friction was frozen for.
+    [[nodiscard]] View<const FrictionTerm> friction_terms() const {
+        return contacts_.friction_terms();
+    }
     [[nodiscard]] int num_friction_terms() const {
         return contacts_.num_friction_terms();
     }
@@ -280,15 +292,6 @@ class Objective {
         for (const Later& part : parts)
             sum += exec.value(part);
         return sum;
-    }
-
-    [[nodiscard]] InertiaViews inertia() const {
-        return {mass_.view(),
-                weight_.view(),
-                fixed_,
-                x_tilde_.view(),
-                x_start_.view(),
-                scales_.mass_damping};
     }
 
     double elastic_seconds_ = 0.0;

@@ -83,7 +83,7 @@ class DirectionSolver {
         const std::vector<int> order = morton_order(model.places());
         pcg_.set_order(order);
         const int size = piece_size(model, dt, linear, Exec::kIsDevice);
-        pcg_.set_aggregates(cut_aggregates(model.tets, order, size));
+        if (size > 0) pcg_.set_aggregates(cut_aggregates(model.tets, order, size));
         rhs_.resize(num_vertices);
         prescribed_.resize(num_vertices);
         pushed_.resize(num_vertices);

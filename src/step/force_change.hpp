@@ -19,10 +19,11 @@ namespace noli {
 struct ForceChangeLater {
     Later change, force;
 
+    /// 0 where the largest force is at most `least`.
     template <class Exec>
-    [[nodiscard]] double value(Exec& exec) const {
+    [[nodiscard]] double value(Exec& exec, double least = 0.0) const {
         const double largest = exec.value(force);
-        return largest > 0.0 ? exec.value(change) / largest : 0.0;
+        return largest > least ? exec.value(change) / largest : 0.0;
     }
 };
 

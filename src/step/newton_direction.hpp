@@ -101,7 +101,7 @@ class NewtonDirection {
             out.gradient = largest_gradient();
         out.slope = detail::dot_sum(exec_, objective.gradient(), p);
         if (may_end)
-            out.unrest = objective.friction_unrest(exec_, x, p, weak_friction(tolerance));
+            out.unrest = objective.friction_unrest(exec_, x, p, weak_force(tolerance));
         out.inversion = objective.inversion_bound_along(exec_, x, p, kKeepVolume);
         state_.collision.look_along(exec_, x, p);
         record.direction = exec_.value(size);
@@ -134,34 +134,34 @@ class NewtonDirection {
 
     /// The vertices of the pair whose friction is as far from settled as `unrest`.
     Int4 least_settled(View<const Vec3d> x, double tolerance, double unrest) {
-        return state_.objective.vertices_with_unrest(exec_,
-                                                     x,
-                                                     View<const Vec3d>(state_.p.view()),
-                                                     weak_friction(tolerance),
-                                                     unrest);
+        return state_.objective.vertices_with_unrest(
+            exec_, x, View<const Vec3d>(state_.p.view()), weak_force(tolerance), unrest);
+    }
+
+    /// A contact force (kg m, N dt^2) that has no say in where Newton may end: it moves a
+    /// mean vertex by a hundredth of the tolerance (m/s).
+    [[nodiscard]] double weak_force(double tolerance) const {
+        return 0.01 * tolerance * settings_.dt * settings_.mean_mass;
     }
 
   private:
-    /// Bodies with an active pair.
+    /// Bodies with an active pair, or with friction of a pair that was active when
+    /// friction was frozen.
     void find_touched() {
+        const View<const int> body = state_.objective.device().body.view();
+        const View<const FrictionTerm> friction = state_.objective.friction_terms();
         detail::clear_marks(exec_, touched_.view());
         const detail::PairSetReader pairs = state_.collision.reader(state_.pairs);
-        if (pairs.size() > 0)
-            detail::mark_bodies(
-                exec_, pairs, state_.objective.device().body.view(), touched_.view());
+        if (pairs.size() > 0) detail::mark_bodies(exec_, pairs, body, touched_.view());
+        if (friction.size > 0)
+            detail::mark_friction(exec_, friction, body, touched_.view());
     }
 
     [[nodiscard]] RetractionInput turning() const {
-        return {state_.objective.inertia_diagonal(),
+        return {state_.objective.inertia(),
                 state_.fixed,
-                state_.objective.gradient(),
                 state_.objective.device().body.view(),
                 View<const std::uint8_t>(touched_.view())};
-    }
-
-    /// mu lambda_N of friction that has no say in where Newton may end, kg m.
-    [[nodiscard]] double weak_friction(double tolerance) const {
-        return 0.01 * tolerance * settings_.dt * settings_.mean_mass;
     }
 
     [[nodiscard]] Later largest_gradient() {

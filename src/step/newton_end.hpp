@@ -34,7 +34,7 @@ class NewtonEnd {
                  double tolerance,
                  const IterationRecord& record,
                  StepReport& report) {
-        return small_enough(record, tolerance) && gaps_have_settled(x, report)
+        return small_enough(record, tolerance) && gaps_have_settled(x, tolerance, report)
             && friction_is_decided(x, tolerance, exec_.value(figures.unrest), report);
     }
 
@@ -51,8 +51,9 @@ class NewtonEnd {
 
     /// True if the direction just found changes no gap by more than gap_tolerance, nor
     /// any normal force by more than that share of the largest: normal forces, and
-    /// friction with them, depend on the gaps alone.
-    bool gaps_have_settled(View<const Vec3d> x, StepReport& report) {
+    /// friction with them, depend on the gaps alone. Forces that are all weak have no
+    /// say.
+    bool gaps_have_settled(View<const Vec3d> x, double tolerance, StepReport& report) {
         const double bound = settings_.solver.gap_tolerance;
         report.gap_change = 0.0;
         if (bound <= 0.0 || state_.pairs.size() == 0) return true;
@@ -61,9 +62,10 @@ class NewtonEnd {
         detail::trial_point(exec_, x, View<const Vec3d>(state_.p.view()), 1.0, moved);
         const Later gaps =
             state_.collision.gap_change(exec_, state_.pairs, x, View<const Vec3d>(moved));
-        const ForceChangeLater forces =
-            state_.collision.force_change(exec_, state_.law.current().barrier);
-        report.gap_change = std::max(exec_.value(gaps), forces.value(exec_));
+        const BarrierParams& barrier = state_.law.current().barrier;
+        const ForceChangeLater forces = state_.collision.force_change(exec_, barrier);
+        const double weak = direction_.weak_force(tolerance) / barrier.kappa;
+        report.gap_change = std::max(exec_.value(gaps), forces.value(exec_, weak));
         return report.gap_change <= bound;
     }
 

@@ -19,6 +19,11 @@ struct PieceTurn {
     /// What the direction lacks of its turn and of its shift, m; 0 where contacts act.
     Vec3d missing_turn, missing_shift;
 
+    [[nodiscard]] NOLI_HD PieceTurn without_tiny() const {
+        PieceTurn out = *this;
+        if (norm_sq(turn) < kLeastTurn * kLeastTurn) out.turn = {0, 0, 0};
+        return out;
+    }
     [[nodiscard]] NOLI_HD bool corrects() const {
         return norm_sq(turn) + norm_sq(missing_turn) + norm_sq(missing_shift) > 0.0;
     }
@@ -46,12 +51,32 @@ struct Pivot {
     Kind kind;
 };
 
+/// Of the second derivative along a turn, over inertia: below it the piece is about to
+/// tip over, and a turn by it would go too far.
+inline constexpr double kLeastStiffness = 0.01;
+
 /// Inertia about a pivot.
 struct Spinner {
     Pivot pivot;
     Mat3d inertia;      ///< tensor, kg m^2
     double about_axis;  ///< the same about the axis of a line
     bool turns;         ///< false where it has none
+
+    /// Second derivative of inertia along turns x = c + exp(w) r, with V = sum q r^T of
+    /// its gradient q: I + sym(V) - tr(V) 1. Turns nothing where it is not positive.
+    [[nodiscard]] NOLI_HD Spinner pulled_by(const Mat3d& v) const {
+        Spinner out = *this;
+        out.inertia += 0.5 * (v + transpose(v)) + (-trace(v)) * identity3();
+        const Mat3d& a = out.inertia;
+        if (pivot.kind == Pivot::Kind::Point) {
+            out.turns = a(0, 0) > 0.0 && a(0, 0) * a(1, 1) > a(0, 1) * a(0, 1)
+                     && det(a) > kLeastStiffness * det(inertia);
+        } else {
+            out.about_axis = dot(pivot.axis, a * pivot.axis);
+            out.turns = out.about_axis > kLeastStiffness * about_axis;
+        }
+        return out;
+    }
 
     /// Rotation vector of a spin, kg m^2.
     [[nodiscard]] NOLI_HD Vec3d turned_by(const Vec3d& spin) const {
@@ -121,12 +146,13 @@ struct TurnSums {
     Vec3d spin;          ///< m r x p
     Mat3d square;        ///< m r r^T
     double motion_sq;    ///< m |p|^2
-    Vec3d force;         ///< -g of vertices that are not held
-    Vec3d torque;        ///< r x -g of them
+    Vec3d pull;          ///< q, the gradient of inertia, of vertices that are not held
+    Vec3d torque;        ///< r x -q of them
+    Mat3d virial;        ///< q r^T of them
     HeldVertices held;
 
     NOLI_HD void add(
-        double m, const Vec3d& r, const Vec3d& p, const Vec3d& g, bool is_held) {
+        double m, const Vec3d& r, const Vec3d& p, const Vec3d& q, bool is_held) {
         mass += m;
         moment += m * r;
         displacement += m * p;
@@ -134,8 +160,9 @@ struct TurnSums {
         square += m * outer(r, r);
         motion_sq += m * norm_sq(p);
         if (is_held) return held.add(r, p);
-        force += -g;
-        torque += cross(r, -g);
+        pull += q;
+        torque += cross(q, r);
+        virial += outer(q, r);
     }
     NOLI_HD void add(const TurnSums& b) {
         mass += b.mass;
@@ -144,8 +171,9 @@ struct TurnSums {
         spin += b.spin;
         square += b.square;
         motion_sq += b.motion_sq;
-        force += b.force;
+        pull += b.pull;
         torque += b.torque;
+        virial += b.virial;
         held.add(b.held);
     }
 
@@ -164,20 +192,21 @@ struct TurnSums {
                                     : held.pivot(square, mass, moment, motion_sq);
         const Vec3d& c = pivot.center;
         if (is_free && !is_touched)
-            out.missing_shift = (share / mass) * force - pivot.shift;
+            out.missing_shift = (-share / mass) * pull - pivot.shift;
         const Spinner spinner = about(pivot);
         if (!spinner.turns) return out;
         out.center = origin + c;
         const Vec3d arm = moment - mass * c;  // sum of m (r - c)
         out.turn =
             spinner.turned_by(spin - cross(c, displacement) - cross(arm, pivot.shift));
-        if (!is_touched && (is_free || norm_sq(pivot.shift) == 0.0)) {
-            const Vec3d wanted = share * spinner.turned_by(torque - cross(c, force));
-            out.missing_turn = wanted - out.turn;
-            out.turn = wanted;
-        }
-        if (norm_sq(out.turn) < kLeastTurn * kLeastTurn) out.turn = {0, 0, 0};
-        return out;
+        if (is_touched || (!is_free && norm_sq(pivot.shift) > 0.0))
+            return out.without_tiny();
+        const Spinner newton = spinner.pulled_by(virial + (-1.0) * outer(pull, c));
+        if (!newton.turns) return out.without_tiny();
+        const Vec3d wanted = share * newton.turned_by(torque + cross(c, pull));
+        out.missing_turn = wanted - out.turn;
+        out.turn = wanted;
+        return out.without_tiny();
     }
 
   private:

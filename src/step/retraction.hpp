@@ -10,23 +10,23 @@
 ///     p_i += (exp(w) - 1 - w x) r_i,   w = I^-1 sum_i m_i r_i x p_i
 ///
 /// I is the piece's tensor of inertia, r_i the position from its centre. Where no contact
-/// acts on the piece, w is what inertia makes of its net torque, I^-1 sum_i r_i x -g_i,
-/// and likewise its shift: neither changes elastic energy, but the Hessian of a stressed
-/// body resists turns, and of a small stiff body rounding alone holds it more than
-/// inertia does. The bending to a rotation is of second
-/// order: it changes neither the end of Newton's method nor the momentum. It
-/// may be many times a gap all the same, and lead into the contact that the direction
-/// avoids; then Newton goes along the uncorrected direction, and a piece that turns by
-/// less than kLeastTurn is not corrected at all. Source: retraction of a step onto
-/// rotations, [Absil2008] 4.1; here of every connected piece that can turn: about its
-/// centre of mass where nothing of it is prescribed, about a prescribed point or line of
-/// it, a hinge, that does not turn itself (piece_turn.hpp).
+/// acts on the piece, shift and w are Newton's for inertia alone (piece_turn.hpp):
+/// neither changes elastic energy, but the Hessian of a stressed body resists turns, and
+/// of a small stiff body rounding alone holds it more than inertia does. The bending to a
+/// rotation is of second order: it changes neither the end of Newton's method nor the
+/// momentum. It may be many times a gap all the same, and lead into the contact that the
+/// direction avoids; then Newton goes along the uncorrected direction, and a piece that
+/// turns by less than kLeastTurn is not corrected at all. Source: retraction of a step
+/// onto rotations, [Absil2008] 4.1; here of every connected piece that can turn: about
+/// its centre of mass where nothing of it is prescribed, about a prescribed point or line
+/// of it, a hinge, that does not turn itself (piece_turn.hpp).
 
 #include "core/vec.hpp"
 #include "core/view.hpp"
 #include "exec/later.hpp"
 #include "linear/rigid_aggregates.hpp"
 #include "model/model.hpp"
+#include "objective/inertia.hpp"
 #include "step/piece_turn.hpp"
 
 #include <algorithm>
@@ -48,11 +48,10 @@ void sum_turns(Exec& exec,
                View<const PieceChunk> chunks,
                View<const int> members,
                View<const int> first_member,
-               View<const double> mass,
+               InertiaViews inertia,
                View<const std::uint8_t> fixed,
                View<const Vec3d> x,
                View<const Vec3d> p,
-               View<const Vec3d> gradient,
                View<TurnSums> out) {
     exec.for_each("step/sum_turns", chunks.size, [=] NOLI_HD(int c) {
         const PieceChunk chunk = chunks[c];
@@ -60,7 +59,11 @@ void sum_turns(Exec& exec,
         TurnSums sums{};
         for (int k = chunk.begin; k < chunk.end; ++k) {
             const int v = members[k];
-            sums.add(mass[v], x[v] - origin, p[v], gradient[v], fixed[v] != 0);
+            sums.add(inertia_diagonal(inertia, v),
+                     x[v] - origin,
+                     p[v],
+                     inertia_gradient(inertia, x[v], v),
+                     fixed[v] != 0);
         }
         out[c] = sums;
     });
@@ -111,9 +114,8 @@ Later apply_turns(Exec& exec,
 
 /// What a direction was solved for.
 struct RetractionInput {
-    View<const double> inertia;        ///< per vertex, kg: its share of the Hessian
+    InertiaViews inertia;
     View<const std::uint8_t> fixed;    ///< prescribed vertices stay as they are
-    View<const Vec3d> gradient;        ///< J/m times dt^2
     View<const int> body;              ///< per vertex
     View<const std::uint8_t> touched;  ///< per body: 1 = contacts act on it
 };
@@ -146,7 +148,6 @@ class Retraction {
                           in.fixed,
                           x,
                           View<const Vec3d>(p),
-                          in.gradient,
                           sums_.view());
         detail::find_turns(exec,
                            View<const int>(first_chunk_.view()),

@@ -53,8 +53,7 @@ double sound_travel(const Model& model, double dt) {
 int piece_size(const Model& model, double dt, LinearSolver linear, bool on_device) {
     if (on_device) return kDeviceAggregate;
     const int small = aggregate_size(model.num_vertices);
-    if (sound_travel(model, dt) <= kSmallPieceSoundTravel)
-        return std::max(small, kLargePiece);
+    if (sound_travel(model, dt) <= kSoftSoundTravel) return 0;
     return linear == LinearSolver::IncompleteCholesky ? small / 2 : small;
 }
 
@@ -67,11 +66,12 @@ std::string describe_linear_solver(const Model& model,
         return "conjugate gradients, block Jacobi, as asked for";
     const bool factor = asked == LinearSolver::IncompleteCholesky && !on_device;
     const char* local = on_device ? "block Jacobi" : factor ? "IC(0)" : "Gauss-Seidel";
+    const int size = piece_size(model, dt, asked, on_device);
     return fmt::format(
-        "conjugate gradients, {} + rigid motions of up to about {} vertices each "
-        "(stiffness reaches {:.2g} elements far in a step)",
+        "conjugate gradients, {}{} (stiffness reaches {:.2g} elements far in a step)",
         local,
-        piece_size(model, dt, asked, on_device),
+        size > 0 ? fmt::format(" + rigid motions of up to about {} vertices each", size)
+                 : "",
         sound_travel(model, dt));
 }
 

@@ -5,6 +5,7 @@
 
 #include "contact/min_gap.hpp"
 #include "model/model.hpp"
+#include "objective/friction_terms.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -39,6 +40,18 @@ void mark_bodies(Exec& exec,
         if (pair.kind == MinGap::Kind::Wall) return;
         for (int k = 1; k < 4; ++k)
             if (pair.vertices[k] >= 0) set_mark(marks[body[pair.vertices[k]]]);
+    });
+}
+
+/// The same of all terms of frozen friction.
+template <class Exec>
+void mark_friction(Exec& exec,
+                   View<const FrictionTerm> terms,
+                   View<const int> body,
+                   View<std::uint8_t> marks) {
+    exec.for_each("step/mark_friction", terms.size, [=] NOLI_HD(int i) {
+        for (int s = 0; s < 4; ++s)
+            if (terms[i].v[s] >= 0) set_mark(marks[body[terms[i].v[s]]]);
     });
 }
 

@@ -12,12 +12,12 @@
 /// ACCURACY_OUT=FILE appends the lines there too.
 
 #include "cover.hpp"
+#include "known.hpp"
 #include "lab.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <map>
 #include <string>
 
 namespace noli::accuracy {
@@ -34,8 +34,6 @@ struct Spec {
     std::function<void(Lab&)> run;
     /// Every so many cases of the covering set run again with a tighter tolerance.
     int tighten_every = 4;
-    /// Cases that are known to be wrong, by name, and why. They run and are in the table.
-    std::map<std::string, std::string> known = {};
 };
 
 namespace detail {
@@ -99,7 +97,7 @@ inline std::string reproduce(const Spec& spec, const Case& at) {
 inline void check_case(const Spec& spec, const Case& at, bool tighten) {
     Lab lab(at, false);
     spec.run(lab);
-    const bool is_known = spec.known.count(name_of(at)) > 0;
+    const bool is_known = known_to_be_wrong(spec.name, name_of(at));
     if (!lab.failed.empty()) {
         if (!is_known) ADD_FAILURE() << reproduce(spec, at) << ": " << lab.failed;
         write_line("ACCURACY-FAILED\t" + spec.name + "\t" + name_of(at) + "\t"

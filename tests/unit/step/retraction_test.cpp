@@ -18,7 +18,8 @@ struct TwoPieces {
     Model model;
     std::vector<Vec3d> x;
     std::vector<std::uint8_t> fixed;
-    std::vector<Vec3d> gradient{9, {0.0, 0.0, 0.0}};
+    std::vector<double> weight = std::vector<double>(9, 1.0);
+    std::vector<Vec3d> x_tilde;
     std::vector<int> body{0, 0, 0, 0, 1, 1, 1, 1, 1};
     std::vector<std::uint8_t> touched{1, 1};
     double share = 1.0;
@@ -39,9 +40,13 @@ struct TwoPieces {
 
     std::vector<Vec3d> corrected(std::vector<Vec3d> p) {
         Retraction<CpuExec> retraction(exec, model);
-        const RetractionInput in{{model.mass.data(), 9},
+        const RetractionInput in{{{model.mass.data(), 9},
+                                  {weight.data(), 9},
+                                  {fixed.data(), 9},
+                                  {x_tilde.empty() ? x.data() : x_tilde.data(), 9},
+                                  {x.data(), 9},
+                                  0.0},
                                  {fixed.data(), 9},
-                                 {gradient.data(), 9},
                                  {body.data(), 9},
                                  {touched.data(), 2}};
         retraction.correct(exec, in, {x.data(), 9}, share, {p.data(), 9});
@@ -179,37 +184,68 @@ TEST(Retraction, LeavesTurnsAloneThatStretchByLessThanRounding) {
         EXPECT_EQ(norm(out[v] - p[v]), 0.0);
 }
 
-TEST(Retraction, TurnsAPieceThatNothingTouchesByWhatInertiaMakesOfTheTorque) {
+/// Places of the first piece turned about `center` by `turn` (exactly) and shifted.
+std::vector<Vec3d> moved(const TwoPieces& pieces,
+                         const Vec3d& center,
+                         const Vec3d& turn,
+                         const Vec3d& shift) {
+    const Eigen::AngleAxisd rotation(
+        norm(turn), Eigen::Vector3d(turn.x, turn.y, turn.z).normalized());
+    std::vector<Vec3d> out = pieces.x;
+    for (std::size_t v = 0; v < 4; ++v) {
+        const Vec3d r = pieces.x[v] - center;
+        const Eigen::Vector3d to = rotation * Eigen::Vector3d(r.x, r.y, r.z);
+        out[v] = center + shift + Vec3d{to.x(), to.y(), to.z()};
+    }
+    return out;
+}
+
+double distance_to(const TwoPieces& pieces, const std::vector<Vec3d>& to) {
+    double largest = 0.0;
+    for (std::size_t v = 0; v < 4; ++v)
+        largest = std::max(largest, norm(pieces.x[v] - to[v]));
+    return largest;
+}
+
+TEST(Retraction, MovesAPieceThatNothingTouchesToWhereInertiaWantsIt) {
     TwoPieces pieces;
     pieces.touched = {0, 1};
-    // The gradient of 1/2 sum m |x - x~|^2 for an x~ that is x turned by w, in first
-    // order, is -m w x r: inertia answers with w, whatever the direction says.
-    const Vec3d w{0.3, -0.5, 0.2};
-    for (std::size_t v = 0; v < 8; ++v)
-        pieces.gradient[v] = (-pieces.model.mass[v])
-                           * cross(w, pieces.x[v] - pieces.center(v < 4 ? 0 : 4));
-    // And of one shifted by `shift` besides.
-    const Vec3d shift{0.1, 0.2, -0.3};
-    for (std::size_t v = 0; v < 8; ++v)
-        pieces.gradient[v] += (-pieces.model.mass[v]) * shift;
+    pieces.x_tilde =
+        moved(pieces, pieces.center(0), {0.15, -0.25, 0.1}, {0.1, 0.2, -0.3});
+    const std::vector<Vec3d> goal = pieces.x_tilde;
     const std::vector<Vec3d> none(9, {0.0, 0.0, 0.0});
-    for (const double share : {1.0, 0.25}) {
-        pieces.share = share;
-        const auto out = pieces.corrected(none);
-        const Vec3d turn = share * w;
-        const Eigen::AngleAxisd rotation(
-            norm(turn), Eigen::Vector3d(turn.x, turn.y, turn.z).normalized());
-        for (std::size_t v = 0; v < 4; ++v) {
-            const Vec3d r = pieces.x[v] - pieces.center(0);
-            const Eigen::Vector3d to = rotation * Eigen::Vector3d(r.x, r.y, r.z);
-            EXPECT_NEAR(norm(r + out[v] - share * shift - Vec3d{to.x(), to.y(), to.z()}),
-                        0.0,
-                        1e-12);
-        }
-        // The other one is touched: contacts may have turned it.
+    double before = distance_to(pieces, goal);
+    for (int k = 0; k < 5; ++k) {
+        const auto p = pieces.corrected(none);
+        EXPECT_LT(largest_stretch(pieces, p), 1e-13);
         for (std::size_t v = 4; v < 8; ++v)
-            EXPECT_EQ(norm(out[v]), 0.0);
+            EXPECT_EQ(norm(p[v]), 0.0);  // contacts act on the other one
+        for (std::size_t v = 0; v < 4; ++v)
+            pieces.x[v] += p[v];
+        const double now = distance_to(pieces, goal);
+        EXPECT_LT(now, std::max(before * before, 1e-9)) << k;  // as Newton's method does
+        before = now;
     }
+    EXPECT_LT(before, 1e-9);
+}
+
+TEST(Retraction, DoesNotOvershootWhereAPullStiffensTheTurn) {
+    // One vertex is wanted a hundred sizes away: a pendulum in strong gravity, for which
+    // inertia alone would turn a hundred times too far.
+    TwoPieces pieces;
+    pieces.touched = {0, 1};
+    pieces.x_tilde = pieces.x;
+    const Vec3d arm = pieces.x[1] - pieces.center(0);
+    pieces.x_tilde[1] += 100.0 * arm + Vec3d{0.5, -0.2, 0.3};
+    const std::vector<Vec3d> none(9, {0.0, 0.0, 0.0});
+    for (int k = 0; k < 8; ++k) {
+        const auto p = pieces.corrected(none);
+        for (std::size_t v = 0; v < 4; ++v)
+            pieces.x[v] += p[v];
+    }
+    const auto last = pieces.corrected(none);
+    for (std::size_t v = 0; v < 4; ++v)
+        EXPECT_LT(norm(last[v]), 1e-4);
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ TEST(ForceChange, IsRelativeToTheLargestForceOfAll) {
     EXPECT_EQ(change({8e-4}, {1.2e-3}), 1.0);
     EXPECT_EQ(change({1.1e-3}, {1.2e-3}), 0.0);
     EXPECT_EQ(change({}, {}), 0.0);
+    EXPECT_EQ(force_change_later(exec, work, 2, 1e-3, 0.0).value(exec, 1.0), 0.0);
 }
 
 double change(const std::vector<double>& before, const std::vector<double>& after) {
