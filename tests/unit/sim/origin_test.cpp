@@ -57,7 +57,7 @@ Scene scene_at(const Vector3& by) {
     BoundaryCondition go;
     go.kind = BoundaryCondition::Kind::Velocity;
     go.linear = {1, 0, 0};
-    go.until = BoundaryCondition::Until{.axis = 0, .value = by[0] + 1.78};
+    go.until = BoundaryCondition::Until{.axis = 0, .value = by[0] + 1.785};
     scene.bodies[2].boundary = {go};
     HalfSpace floor;
     floor.point = by;
