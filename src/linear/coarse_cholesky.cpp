@@ -46,7 +46,7 @@ NOLI_WITH_AVX2 void subtract_products(
 /// m := inverse of its Cholesky factor, lower triangular, with zero columns where there
 /// is no pivot. `scale` holds the diagonal before elimination. False for NaN.
 bool invert_factor(const double* scale, Block6& m) {
-    constexpr double kNoPivot = 1e-13;
+    constexpr double kNoPivot = 1e-11;
     double l[36] = {};
     double inverse[36] = {};
     for (int j = 0; j < kSize; ++j) {
