@@ -196,14 +196,27 @@ TEST(StartLengths, DhatMustBeFarAboveTheRoundingOfCoordinates) {
     EXPECT_EQ(found.severity, Severity::Error);
     expect_words(found, {"dhat = 1e-14 m", "choose a dhat of at least"});
 
-    // What suffices at the origin does not suffice far away.
+    // What suffices at the origin does not suffice for bodies far apart.
     scene.contact.dhat = 1e-4;
     EXPECT_EQ(find(findings_of(scene), "the rounding of coordinates").message, "");
-    for (Body& body : scene.bodies)
-        body.transform.rows[0][3] += 1e6;
-    found = find(findings_of(scene), "the rounding of coordinates");
+    Scene apart = scene;
+    apart.bodies[1].transform.rows[0][3] += 1e6;
+    found = find(findings_of(apart), "the rounding of coordinates");
     EXPECT_EQ(found.severity, Severity::Warning);
     expect_words(found, {"from the origin", "move the scene to the origin"});
+
+    // All of it far away is computed near the origin, as long as its shapes have digits.
+    const auto far = [&](double by) {
+        Scene moved = scene;
+        for (Body& body : moved.bodies)
+            body.transform.rows[0][3] += by;
+        return findings_of(moved);
+    };
+    EXPECT_EQ(find(far(1e6), "the rounding of coordinates").message, "");
+    EXPECT_EQ(find(far(1e6), "where numbers are rounded").message, "");
+    found = find(far(1e11), "where numbers are rounded");
+    EXPECT_EQ(found.severity, Severity::Warning);
+    expect_words(found, {"1e+11 m from the origin", "move the scene to the origin"});
 }
 
 TEST(StartLengths, DhatMustBeSmallBesideTheSmallestBody) {
