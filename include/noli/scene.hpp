@@ -182,7 +182,7 @@ struct ContactSettings {
     /// Ipc is [Li2020]: exponent 1, full Hessians projected numerically; the next three
     /// are then not read.
     ContactFormulation model = ContactFormulation::Gipc;
-    int barrier_exponent = 2;  ///< r of MATH 1.2: 1 or 2
+    int barrier_exponent = 2;  ///< r of docs/theory/barrier.md: 1 or 2
     ContactModel hessian = ContactModel::GnPlus;
     MollifierModel mollifier = MollifierModel::FourMode;
     double kappa = 0.0;  ///< fixed stiffness, J/m^4; 0 = adaptive
@@ -226,7 +226,8 @@ struct SolverSettings {
     LinearSolver linear = LinearSolver::Pcg;
     /// How conjugate gradients apply contacts. Warp: as the supplement does.
     ContactProduct contact_product = ContactProduct::Modes;
-    double pcg_tolerance = 0.0;  ///< on r^T P^-1 r, relative (MATH 10); 0 = automatic
+    double pcg_tolerance =
+        0.0;  ///< on r^T P^-1 r, relative (docs/theory/linear_operator.md); 0 = automatic
     int max_pcg = 20000;
 };
 

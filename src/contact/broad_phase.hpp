@@ -10,7 +10,7 @@
 /// downstream than it costs. Most queries need no search of the trees, or one with a few
 /// primitives: see candidate_pool.hpp.
 ///
-/// Source: MATH 9 (which pairs), moving_box.hpp and reach.hpp (which are far).
+/// Source: [Li2020] (which pairs), moving_box.hpp and reach.hpp (which are far).
 
 #include "contact/candidate_pool.hpp"
 #include "contact/candidates.hpp"

@@ -8,7 +8,8 @@
 /// pairs: in the order of the candidates within each kind, for every executor.
 ///
 /// A point-point or point-edge pair that several candidates share occurs once for each:
-/// that is how the barrier counts them. Source: MATH 9, 3.1.
+/// that is how the barrier counts them. Source: docs/theory/point_triangle.md,
+/// edge_edge.md (regions), near_parallel_edges.md.
 
 #include "contact/candidate_code.hpp"
 #include "exec/later.hpp"

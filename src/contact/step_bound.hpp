@@ -8,7 +8,7 @@
 /// for a denser one, and so on: most pairs then reach the shortened end at once. The
 /// samples depend on the candidates' order alone.
 ///
-/// Source: MATH 8.5 (pairs), MATH 6 (walls).
+/// Source: docs/theory/ccd.md (pairs), walls.md.
 
 #include "contact/candidate_advance.hpp"
 #include "exec/later.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// The contact law of a solve: stiffer where a tiny gap still shrinks, with a stronger
-/// Hessian where steps stay short. Source: MATH 8.2, 8.8 (stiffness).
+/// Hessian where steps stay short. Source: docs/theory/stiffness.md.
 
 #include "step/settings.hpp"
 #include "step/stiffness.hpp"

@@ -40,7 +40,7 @@ class NewtonEnd {
 
   private:
     /// The stopping test on the direction, or on the gradient if the settings say so.
-    /// Source: MATH 8 (direction); supplement 9 (gradient).
+    /// Source: docs/theory/stopping_and_line_search.md; supplement 9 (gradient).
     [[nodiscard]] bool small_enough(const IterationRecord& record,
                                     double tolerance) const {
         const double bound = settings_.solver.gradient_tolerance;

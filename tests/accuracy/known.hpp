@@ -18,8 +18,9 @@ struct Known {
 inline const std::vector<Known>& known_cases() {
     static const std::vector<Known> all{
         {"a block pressed by a plate",
-         "frictionless plates: the block slips aside, and Newton creeps after it until "
-         "max_newton; the first three at default settings, the others when tightened",
+         "frictionless plates: directions just above the tolerance lower the energy by "
+         "1e-10 of it an iteration until max_newton, perhaps a slip aside; the first "
+         "three at default settings, the others when tightened",
          {"polyethylene/0.001/0.001/implicit_euler/0",
           "wood/0.01/0.001/implicit_euler/0",
           "steel/0.01/0.001/implicit_euler/0",
@@ -27,8 +28,8 @@ inline const std::vector<Known>& known_cases() {
           "glass/0.001/0.001/bdf2/0",
           "cork/0.001/0.004/implicit_euler/1"}},
         {"a block slides down a tilted obstacle, tan 0.5, mu 0.3",
-         "crosses 30 of its sizes a step, over the seam of the two triangles that the "
-         "obstacle is: 1.5 % slow, or another bounce when tightened",
+         "goes up to 70 of its sizes a step: 1.5 % slow, or another motion when "
+         "tightened; cause not looked into",
          {"aluminium/0.001/0.04/implicit_euler/1",
           "glass/0.001/0.04/newmark/0",
           "soft_silicone/0.001/0.04/implicit_euler/0"}},
@@ -36,14 +37,13 @@ inline const std::vector<Known>& known_cases() {
          "tightening moves the creep by 2 % of the speed without friction",
          {"soft_tissue/0.01/0.01/bdf2/1"}},
         {"spinning projectile",
-         "Newmark damps nothing, and what the linear solver leaves of the strain of a "
-         "falling cube of 1 mm adds up: spin 2 to 4 % off after 30 steps of 40 ms",
+         "spin 2 to 4 % off after 30 steps of 40 ms; cause not looked into",
          {"steel/0.001/0.04/newmark/0"}},
         {"pendulum: a bar on a hinge",
-         "Newmark goes once round, 40 steps of half of a radian: 8 % off",
+         "8 % off after half a turn under Newmark; cause not looked into",
          {"foam/0.001/0.004/newmark/0"}},
         {"a ball rests on a half-space",
-         "still rocks after 60 steps: the tightened run is 1.6 % off",
+         "the tightened run is 1.6 % off; cause not looked into",
          {"cork/0.001/0.004/implicit_euler/0"}},
     };
     return all;
