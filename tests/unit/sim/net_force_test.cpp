@@ -40,13 +40,15 @@ double worst_unbalanced(const Scene& scene, int steps) {
     for (int k = 0; k < steps; ++k) {
         const StepReport report = simulator.step();
         EXPECT_EQ(report.outcome, Outcome::Converged) << report.message;
-        worst = std::max(worst,
-                         unbalanced(simulator.topology(),
-                                    simulator.net_forces(),
-                                    simulator.fields().contact_force,
-                                    simulator.resolved().tolerance * scene.dt,
-                                    scene.dt,
-                                    0.08 + report.lag_change));
+        worst = std::max(
+            worst,
+            unbalanced(simulator.topology(),
+                       simulator.net_forces(),
+                       simulator.fields().contact_force,
+                       simulator.resolved().tolerance * scene.dt,
+                       scene.dt,
+                       scene.solver.gap_tolerance + scene.contact.friction_tolerance
+                           + report.lag_change));
     }
     return worst;
 }
@@ -78,7 +80,7 @@ TEST(NetForce, NamesWhatARoughEndLeaves) {
                                     simulator.fields().contact_force,
                                     1e-3 * simulator.resolved().diagonal * scene.dt,
                                     scene.dt,
-                                    0.08));
+                                    0.05));
     }
     EXPECT_GT(worst, 1.0);
 }
