@@ -146,13 +146,19 @@ TEST(Stiffness, ReachesAsFarAsToCarryTheLargestForceOfTheMaterial) {
     EXPECT_NEAR(force, settings.dt * settings.dt * settings.vertex_force, 1e-6 * force);
 }
 
-TEST(AdaptiveLaw, RisesToWhatCarriesTheForceOfATinyGapTenTimesAtMost) {
+/// A scene of one metre whose material lets kappa rise far.
+StepSettings stiff_metre() {
     StepSettings settings;
     settings.diagonal = 1.0;
     settings.dhat = 1e-3;
     settings.mean_mass = 1.0;
     settings.dt = 0.01;
     settings.vertex_force = 1e12;
+    return settings;
+}
+
+TEST(AdaptiveLaw, RisesToWhatCarriesTheForceOfATinyGapTenTimesAtMost) {
+    const StepSettings settings = stiff_metre();
     AdaptiveLaw law(settings);
     law.set_kappa(law.range().low);
     const auto force_at = [&](double gap) {
@@ -168,12 +174,7 @@ TEST(AdaptiveLaw, RisesToWhatCarriesTheForceOfATinyGapTenTimesAtMost) {
 }
 
 TEST(AdaptiveLaw, RisesWhereAGapDivesThreeTimesInARow) {
-    StepSettings settings;
-    settings.diagonal = 1.0;
-    settings.dhat = 1e-3;
-    settings.mean_mass = 1.0;
-    settings.dt = 0.01;
-    settings.vertex_force = 1e12;
+    const StepSettings settings = stiff_metre();
     AdaptiveLaw law(settings);
     law.set_kappa(law.range().low);
     const auto shrink = [&](std::vector<double> gaps) {
