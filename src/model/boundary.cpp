@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/boundary.hpp"
 
+#include "model/box.hpp"
 #include "model/rotation.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace noli {
 
 namespace {
 
 Vec3d box_center(std::span<const Vec3d> x, const std::vector<int>& vertices) {
-    constexpr double kInf = std::numeric_limits<double>::infinity();
-    Vec3d lo{kInf, kInf, kInf};
-    Vec3d hi{-kInf, -kInf, -kInf};
-    for (const int v : vertices) {
-        const Vec3d& p = x[static_cast<std::size_t>(v)];
-        lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-        hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-    }
-    return 0.5 * (lo + hi);
+    Box box;
+    for (const int v : vertices)
+        box.add(x[static_cast<std::size_t>(v)]);
+    return box.center();
 }
 
 /// Translation and rotation (degrees) of a path at time t, linear between keys.

@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/origin.hpp"
 
+#include "model/box.hpp"
 #include "model/rotation.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace noli {
 
 namespace {
-
-struct Box {
-    Vec3d lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-
-    void add(const Vec3d& p) {
-        for (int k = 0; k < 3; ++k) {
-            lo[k] = std::min(lo[k], p[k]);
-            hi[k] = std::max(hi[k], p[k]);
-        }
-    }
-    [[nodiscard]] bool is_empty() const { return !(lo.x <= hi.x); }
-};
 
 Box box_of(const Model& model, bool elastic_only) {
     Box box;
@@ -48,8 +35,8 @@ void move(BoundaryCondition& condition, const Vec3d& by) {
 Vec3d local_origin(const Model& model) {
     Box box = box_of(model, true);
     if (box.is_empty()) box = box_of(model, false);
-    const Vec3d center = 0.5 * (box.lo + box.hi);
-    const double diagonal = norm(box.hi - box.lo);
+    const Vec3d center = box.center();
+    const double diagonal = box.diagonal();
     const bool is_far = max_abs(center) > kFarInDiagonals * diagonal;
     if (box.is_empty() || !is_far || !(diagonal > 0.0) || !std::isfinite(norm(center)))
         return {0.0, 0.0, 0.0};

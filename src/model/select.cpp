@@ -2,32 +2,21 @@
 #include "model/select.hpp"
 
 #include "mesh/topology.hpp"
+#include "model/box.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <limits>
 
 namespace noli {
 
 namespace {
 
-struct Box {
-    Vec3d lo, hi;
-};
-
 Box used_box(const std::vector<Vec3d>& x,
              int first,
              const std::vector<std::uint8_t>& used) {
-    constexpr double kInf = std::numeric_limits<double>::infinity();
-    Box box{{kInf, kInf, kInf}, {-kInf, -kInf, -kInf}};
-    for (std::size_t v = 0; v < used.size(); ++v) {
-        if (used[v] == 0) continue;
-        const Vec3d& p = x[static_cast<std::size_t>(first) + v];
-        for (int k = 0; k < 3; ++k) {
-            box.lo[k] = std::min(box.lo[k], p[k]);
-            box.hi[k] = std::max(box.hi[k], p[k]);
-        }
-    }
+    Box box;
+    for (std::size_t v = 0; v < used.size(); ++v)
+        if (used[v] != 0) box.add(x[static_cast<std::size_t>(first) + v]);
     return box;
 }
 
@@ -76,8 +65,7 @@ std::vector<int> select_box(const Selection& selection, const PlacedBody& body) 
 Vec3d used_box_center(const std::vector<Vec3d>& x,
                       int first,
                       const std::vector<std::uint8_t>& used) {
-    const Box box = used_box(x, first, used);
-    return 0.5 * (box.lo + box.hi);
+    return used_box(x, first, used).center();
 }
 
 Result<ModelCondition> make_condition(const BoundaryCondition& what,

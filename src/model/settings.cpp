@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/settings.hpp"
 
+#include "model/box.hpp"
 #include "model/rotation.hpp"
 
 #include <algorithm>
@@ -122,17 +123,6 @@ void set_contact_rules(const Scene& scene,
 
 namespace {
 
-struct Box {
-    Vec3d lo{kInfinity, kInfinity, kInfinity};
-    Vec3d hi{-kInfinity, -kInfinity, -kInfinity};
-
-    void add(const Vec3d& p) {
-        lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-        hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-    }
-    [[nodiscard]] double diagonal() const { return norm(hi - lo); }
-};
-
 /// Diagonals of the elastic bodies' boxes: of all together, and of the smallest, m.
 struct Extents {
     double all = 1.0, smallest = kInfinity;
@@ -148,7 +138,7 @@ Extents extents_of(const Model& model) {
     }
     Extents out;
     for (const Box& box : body)
-        if (box.lo.x <= box.hi.x) out.smallest = std::min(out.smallest, box.diagonal());
+        if (!box.is_empty()) out.smallest = std::min(out.smallest, box.diagonal());
     if (out.smallest < kInfinity) out.all = all.diagonal();
     return out;
 }
